@@ -16,17 +16,17 @@ SUBPIXEL = 16  # OpenCV's fixed-point disparities
 
 
 def dense_disparity(
-    left: NDArray[np.uint8], right: NDArray[np.uint8], camera: StereoCamera, config: DisparityConfig
+    left: NDArray[np.uint8], right: NDArray[np.uint8] | None, camera: StereoCamera, config: DisparityConfig
 ) -> NDArray[np.float32]:
     """Return the disparity (H, W) [px] of a rectified grey pair (H, W), NaN where there is no match.
 
     Semi-global matching (Hirschmueller 2008), three directions, on the rows that can show road only. The
     camera's disparity offset is taken off, so that depth is fx * baseline / disparity. Images too small
-    to match give NaN everywhere.
+    to match, or no right image, give NaN everywhere.
     """
     disparity = np.full(left.shape, np.nan, dtype=np.float32)
     first = int(np.clip(camera.cy - ABOVE_HORIZON * camera.fy, 0, left.shape[0]))
-    matched = _match(left[first:], right[first:], config)
+    matched = None if right is None else _match(left[first:], right[first:], config)
     if matched is not None:
         disparity[first:] = matched - np.float32(camera.disparity_offset)
     return disparity

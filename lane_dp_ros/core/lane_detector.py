@@ -63,19 +63,24 @@ class LaneDetector:
         self.camera = camera
         self.config = config or DetectorConfig()
 
-    def detect(self, left: Image, right: Image) -> LaneDetection:
+    def detect(self, left: Image, right: Image | None, road: RoadSurface | None = None) -> LaneDetection:
         """Return the lanes of a rectified pair, uint8 images (H, W) grey or (H, W, 3) BGR of equal size.
 
+        `road` is taken for the road's surface instead of the one that the disparity shows; then `right` may
+        be None: the left image alone, and nothing is known of heights.
         Where the pair shows no road, or a road without lanes, the detection has no lanes and `note` says why.
         Raises ValueError for images of different size or of another shape or type.
         """
         config, watch = self.config, _Stopwatch()
         rng = np.random.default_rng(config.seed)
-        left, right = _grey_pair(left, right)
+        left = _grey(left, "left")
+        right = None if right is None and road is not None else _grey(right, "right")
+        if right is not None:
+            _check_equal_size(left, right)
         with watch("disparity"):
             disparity = dense_disparity(left, right, self.camera, config.disparity)
         with watch("road_profile"):
-            road = fit_road_surface(disparity, self.camera, config.road_profile, rng)
+            road = road or fit_road_surface(disparity, self.camera, config.road_profile, rng)
         if road is None:
             heights = (
                 f"{config.road_profile.camera_height_min:g} to {config.road_profile.camera_height_max:g}"
@@ -147,22 +152,22 @@ class _Stopwatch:
         self.seconds[stage] = time.perf_counter() - start
 
 
-def _grey_pair(left: Image, right: Image) -> tuple[Image, Image]:
-    for image, side in ((left, "left"), (right, "right")):
-        if not isinstance(image, np.ndarray):  # None, when cv2.imread finds no picture
-            raise ValueError(
-                f"the {side} image is {type(image).__name__}, expected an array (picture not read?)"
-            )
-        if image.dtype != np.uint8 or image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3):
-            raise ValueError(
-                f"the {side} image is {image.dtype} {image.shape}, expected uint8 (H, W) or (H, W, 3)"
-            )
-        if image.size == 0:
-            raise ValueError(f"the {side} image is empty: {image.shape}")
-    if left.shape[:2] != right.shape[:2]:
+def _grey(image: Image | None, side: str) -> Image:
+    if not isinstance(image, np.ndarray):  # None, when cv2.imread finds no picture
+        raise ValueError(f"the {side} image is {type(image).__name__}, expected an array (picture not read?)")
+    if image.dtype != np.uint8 or image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3):
+        raise ValueError(
+            f"the {side} image is {image.dtype} {image.shape}, expected uint8 (H, W) or (H, W, 3)"
+        )
+    if image.size == 0:
+        raise ValueError(f"the {side} image is empty: {image.shape}")
+    grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image
+    return np.ascontiguousarray(grey)
+
+
+def _check_equal_size(left: Image, right: Image) -> None:
+    if left.shape != right.shape:
         raise ValueError(
             f"the images differ in size: left {left.shape[1]}x{left.shape[0]}, "
             f"right {right.shape[1]}x{right.shape[0]}, expected equal"
         )
-    grey = [cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image for image in (left, right)]
-    return np.ascontiguousarray(grey[0]), np.ascontiguousarray(grey[1])

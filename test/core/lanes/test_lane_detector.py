@@ -95,6 +95,18 @@ def test_the_road_is_that_of_the_scene(road_pair):
     assert found.birds_eye.axis.curvature == pytest.approx(road.curvature, abs=0.001)
 
 
+def test_the_left_picture_alone_finds_the_lines_on_a_road_that_is_given(road_pair):
+    road, pair = road_pair
+    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    found = LaneDetector(CAMERA).detect(pair.left, None, surface)
+    assert found.road is surface
+    assert np.isnan(found.disparity).all()
+    assert found.disparity.shape == (ROWS, COLUMNS)
+    assert len(found.lanes) == len(road.lines)
+    for lane, truth in zip(found.lanes, pair.lanes, strict=True):
+        assert lateral_errors(road, lane, truth).mean() < 0.02
+
+
 def test_the_detection_carries_what_led_to_the_lanes(detection):
     assert detection.disparity.shape == (ROWS, COLUMNS)
     assert detection.graph.feature.shape == detection.birds_eye.image.shape == (120, 300)
@@ -229,6 +241,7 @@ GREY = np.zeros((20, 30), np.uint8)
         (GREY, GREY.astype(np.uint16), r"the right image is uint16 \(20, 30\), expected uint8"),
         (GREY[0], GREY, r"the left image is uint8 \(30,\)"),
         (None, GREY, r"the left image is NoneType, expected an array"),
+        (GREY, None, r"the right image is NoneType, expected an array"),
         (GREY, GREY.tolist(), r"the right image is list, expected an array"),
         (np.zeros((20, 30, 4), np.uint8), GREY, r"the left image is uint8 \(20, 30, 4\), .* or \(H, W, 3\)"),
         (GREY[:0], GREY[:0], r"the left image is empty: \(0, 30\)"),
