@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from lane_dp_ros.core.parameter import Value, parameter, replaced
+from lane_dp_ros.core.parameter import Parameters, Value, parameter, replaced
 
 
 @dataclass(frozen=True)
-class DisparityConfig:
+class DisparityConfig(Parameters):
     """The stereo matcher; names and meaning as in stereo_image_proc (semi-global block matching)."""
 
     min_disparity: int = parameter(0, "Smallest disparity searched.", unit="px", limits=(0, 512))
@@ -38,31 +38,32 @@ class DisparityConfig:
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_order(self, "disparity", "P1", "P2")
 
 
 @dataclass(frozen=True)
-class RoadProfileConfig:
+class RoadProfileConfig(Parameters):
     """The road's surface from the disparity."""
 
     roll: bool = parameter(True, "Fit the road's cross slope, too.")
-    camera_height_min: float = parameter(
-        1.2, "Lowest possible camera above the road.", unit="m", limits=(0.2, 5.0)
+    camera_height: float = parameter(
+        1.65,
+        "Camera above the road; the measured one is within a factor of 1.4. Serves where none is measured.",
+        unit="m",
+        limits=(0.3, 5.0),
     )
-    camera_height_max: float = parameter(
-        2.3, "Highest possible camera above the road.", unit="m", limits=(0.3, 6.0)
+    camera_pitch: float = parameter(
+        0.0, "Camera looks down on the road; serves where none is measured.", unit="rad", limits=(-0.3, 0.3)
     )
     residual_threshold: float = parameter(
         1.0, "Disparities farther from the surface do not belong to it.", unit="px", limits=(0.2, 5.0)
     )
     max_trials: int = parameter(80, "RANSAC samples.", limits=(10, 1000))
 
-    def __post_init__(self) -> None:
-        _check_order(self, "road_profile", "camera_height_min", "camera_height_max")
-
 
 @dataclass(frozen=True)
-class VanishingPointConfig:
+class VanishingPointConfig(Parameters):
     """The road's direction from the edges on it."""
 
     method: str = parameter(
@@ -88,7 +89,7 @@ class VanishingPointConfig:
 
 
 @dataclass(frozen=True)
-class BirdsEyeConfig:
+class BirdsEyeConfig(Parameters):
     """The piece of road that is looked at, in road coordinates."""
 
     near: float = parameter(4.0, "Where the view begins, ahead of the camera.", unit="m", limits=(0.0, 20.0))
@@ -102,7 +103,7 @@ class BirdsEyeConfig:
 
 
 @dataclass(frozen=True)
-class LaneGraphConfig:
+class LaneGraphConfig(Parameters):
     """How much each cell of the bird's-eye view looks like paint, f in [0, 1]; its cost is 1 - f."""
 
     feature: str = parameter(
@@ -123,11 +124,12 @@ class LaneGraphConfig:
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_order(self, "lane_graph", "contrast_min", "contrast_max")
 
 
 @dataclass(frozen=True)
-class PathSearchConfig:
+class PathSearchConfig(Parameters):
     """The search for paths through the graph."""
 
     free_ends: bool = parameter(
@@ -156,7 +158,7 @@ class PathSearchConfig:
 
 
 @dataclass(frozen=True)
-class LaneModelConfig:
+class LaneModelConfig(Parameters):
     """The smooth line through a path."""
 
     model: str = parameter(
@@ -172,7 +174,7 @@ class LaneModelConfig:
 
 
 @dataclass(frozen=True)
-class LaneSelectionConfig:
+class LaneSelectionConfig(Parameters):
     """What makes a line a lane."""
 
     evidence: bool = parameter(True, "Judge lines by their evidence; else every line of the model is a lane.")
@@ -214,11 +216,12 @@ class LaneSelectionConfig:
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_order(self, "lane_selection", "lane_width_min", "lane_width_max")
 
 
 @dataclass(frozen=True)
-class DetectorConfig:
+class DetectorConfig(Parameters):
     """All stages of the lane pipeline."""
 
     disparity: DisparityConfig = field(default_factory=DisparityConfig)

@@ -29,7 +29,7 @@ from lane_dp_ros.core.path_search import find_paths
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 from lane_dp_ros.core.road_direction import road_axis
 from lane_dp_ros.core.road_edges import road_edges
-from lane_dp_ros.core.road_profile import fit_road_surface
+from lane_dp_ros.core.road_profile import fit_road_surface, plausible_heights
 from lane_dp_ros.core.vanishing_point import dense_vanishing_point, pitch_and_yaw, vanishing_point_of
 
 Image = NDArray[np.uint8]
@@ -82,9 +82,7 @@ class LaneDetector:
         with watch("road_profile"):
             road = road or fit_road_surface(disparity, self.camera, config.road_profile, rng)
         if road is None:
-            heights = (
-                f"{config.road_profile.camera_height_min:g} to {config.road_profile.camera_height_max:g}"
-            )
+            heights = "{:.1f} to {:.1f}".format(*plausible_heights(config.road_profile))
             note = f"no road surface in the disparity {heights} m below the camera"
             return LaneDetection(disparity=disparity, seconds=watch.seconds, note=note)
         with watch("vanishing_point"):

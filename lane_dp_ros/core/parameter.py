@@ -83,6 +83,21 @@ def parameter(
     return dataclasses.field(default=default, metadata={"parameter": spec})
 
 
+@dataclasses.dataclass(frozen=True)
+class Parameters:
+    """Base of the dataclasses whose fields are parameters: none holds a value out of its range.
+
+    Raises ValueError, naming class and field, what came and what would be right.
+    """
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            if "parameter" in field.metadata:
+                name = f"{type(self).__name__}.{field.name}"
+                spec = dataclasses.replace(field.metadata["parameter"], name=name)
+                object.__setattr__(self, field.name, spec.checked(getattr(self, field.name)))
+
+
 def parameters(config: Any) -> dict[str, Parameter]:
     """Return every parameter of a (nested) config by dotted name; defaults are this config's values."""
     return {spec.name: spec for spec in _walk(config, "")}

@@ -22,7 +22,10 @@ MIN_DISPARITY = 3.0  # px; farther road says nothing of its surface
 HALF_WIDTH = 8.0  # m; what lies farther aside is not taken for road
 COLUMN_STEP, ROW_STEP = 8, 3  # px; the surface is smooth, a sample of the pixels fits it as well
 MIN_POINTS = 200  # fewer samples are no road
-MIN_INLIERS = 0.2  # of the samples; fewer and what was fitted is not the road
+MIN_INLIERS = 0.2  # of the pixels, matched or not; fewer and what was fitted is not the road
+HEIGHT_FACTOR = 1.4  # by which the camera may stand higher or lower than its nominal height
+PITCH_RANGE = 0.15  # rad about the nominal pitch: vehicle and hill together
+ROLL_MAX = 0.15  # rad; a road banked by 15 %
 NEIGHBOURS = 2  # disparities [px] by which the v-disparity path may move from row to row
 NARROWING = np.array([3.0, 2.0, 1.5, 1.0, 1.0, 1.0])  # times residual_threshold
 RIDGE = np.diag([1e-9, 1e-9, 2e-4, 1e-9])  # per sample; holds a profile that the data leave open straight
@@ -45,6 +48,11 @@ def v_disparity_path(histogram: NDArray[np.float32]) -> tuple[NDArray[np.intp], 
     column = shortest_paths(1 - histogram / peak, k=NEIGHBOURS).best()
     voted = np.flatnonzero(histogram[np.arange(len(histogram)), column] > 0)
     return voted, column[voted] + 0.5
+
+
+def plausible_heights(config: RoadProfileConfig) -> tuple[float, float]:
+    """Return the lowest and the highest height [m] that the camera may have above the road."""
+    return config.camera_height / HEIGHT_FACTOR, config.camera_height * HEIGHT_FACTOR
 
 
 def fit_road_surface(
@@ -80,13 +88,17 @@ def fit_road_surface(
     if config.roll:
         b = tukey_fit(A, d, np.ones_like(d), RIDGE * len(d), config.residual_threshold * NARROWING, b)
     surface = RoadSurface(camera, (float(b[0]), float(b[1]), float(b[2]), float(b[3])))
-    return surface if _plausible(surface, A @ b - d, config) else None
+    on_surface = float(np.mean(np.abs(A @ b - d) < 2 * config.residual_threshold)) * float(np.mean(matched))
+    return surface if on_surface >= MIN_INLIERS and _plausible(surface, config) else None
 
 
-def _plausible(surface: RoadSurface, residuals: Floats, config: RoadProfileConfig) -> bool:
-    inliers = np.mean(np.abs(residuals) < 2 * config.residual_threshold)
-    height_fits = config.camera_height_min <= surface.camera_height <= config.camera_height_max
-    return bool(inliers >= MIN_INLIERS and height_fits)
+def _plausible(surface: RoadSurface, config: RoadProfileConfig) -> bool:
+    lowest, highest = plausible_heights(config)
+    return (
+        lowest <= surface.camera_height <= highest
+        and abs(surface.pitch - config.camera_pitch) <= PITCH_RANGE
+        and abs(surface.roll) <= ROLL_MAX
+    )
 
 
 def _design(n: Floats, m: Floats) -> Floats:

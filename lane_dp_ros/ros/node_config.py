@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lane_dp_ros.core.config import DetectorConfig, preset
-from lane_dp_ros.core.parameter import Parameter, Value, parameter, parameters, replaced
+from lane_dp_ros.core.parameter import Parameter, Parameters, Value, parameter, parameters, replaced
 
 
 @dataclass(frozen=True)
-class NodeConfig:
+class NodeConfig(Parameters):
     """What the node itself needs to know."""
 
     image_transport: str = parameter(

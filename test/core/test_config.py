@@ -5,7 +5,7 @@
 import pytest
 
 from lane_dp_ros.core.birds_eye import _grid
-from lane_dp_ros.core.config import PRESETS, DetectorConfig, preset
+from lane_dp_ros.core.config import PRESETS, DetectorConfig, DisparityConfig, RoadProfileConfig, preset
 from lane_dp_ros.core.parameter import parameters, replaced
 
 ALL = parameters(DetectorConfig())
@@ -67,10 +67,6 @@ def test_an_unknown_preset_is_refused():
     [
         ({"disparity.P1": 500, "disparity.P2": 500}, "disparity.P2: got 500, expected more than P1 = 500"),
         (
-            {"road_profile.camera_height_min": 2.0, "road_profile.camera_height_max": 1.5},
-            "road_profile.camera_height_max: got 1.5, expected more than camera_height_min = 2.0",
-        ),
-        (
             {"lane_graph.contrast_min": 2.8},
             "lane_graph.contrast_max: got 2.8, expected more than contrast_min = 2.8",
         ),
@@ -83,3 +79,20 @@ def test_an_unknown_preset_is_refused():
 def test_values_that_contradict_one_another_are_refused(values, message):
     with pytest.raises(ValueError, match=message):
         replaced(DetectorConfig(), values)
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: DisparityConfig(P1=-1), "DisparityConfig.P1: got -1, expected 0 to 4000"),
+        (lambda: DisparityConfig(P1=500, P2=500), "disparity.P2: got 500, expected more than P1 = 500"),
+        (
+            lambda: RoadProfileConfig(camera_height=0.0),
+            "RoadProfileConfig.camera_height: got 0.0, expected 0.3",
+        ),
+        (lambda: DetectorConfig(seed=-1), "DetectorConfig.seed: got -1, expected 0 to"),
+    ],
+)
+def test_a_config_that_is_built_directly_is_checked_as_well(build, message):
+    with pytest.raises(ValueError, match=message):
+        build()

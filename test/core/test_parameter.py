@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.parameter import parameter, parameters, replaced
+from lane_dp_ros.core.parameter import Parameters, parameter, parameters, replaced
 
 
 @dataclass(frozen=True)
-class Stage:
+class Stage(Parameters):
     size: int = parameter(3, "An odd number.", unit="px", limits=(1, 9), step=2)
     share: float = parameter(0.5, "A share.", limits=(0.0, 1.0))
     free: float = parameter(1.0, "Anything.", unit="m")
@@ -20,12 +20,13 @@ class Stage:
     on: bool = parameter(True, "A switch.")
 
     def __post_init__(self):
+        super().__post_init__()
         if self.on and self.mode == "good":
             raise ValueError("stage.mode: got good, expected fast while on")
 
 
 @dataclass(frozen=True)
-class Config:
+class Config(Parameters):
     stage: Stage = field(default_factory=Stage)
     seed: int = parameter(0, "A seed.")
 
@@ -104,6 +105,24 @@ def test_other_values_are_refused_in_one_line_that_says_what_would_be_right(name
     with pytest.raises(ValueError, match=message) as error:
         replaced(Config(), {name: value})
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"size": 4}, "Stage.size: got 4, expected 1 to 9 in steps of 2"),
+        ({"share": float("nan")}, "Stage.share: got nan, expected 0 to 1"),
+        ({"mode": "best"}, "Stage.mode: got 'best', expected one of fast, good"),
+        ({"on": 1}, "Stage.on: got 1, expected a value of type bool"),
+    ],
+)
+def test_a_stage_that_is_built_directly_is_checked_as_well(values, message):
+    with pytest.raises(ValueError, match=message):
+        Stage(**values)
+
+
+def test_a_stage_that_is_built_directly_takes_a_whole_number_for_a_float():
+    assert type(Stage(share=1).share) is float
 
 
 def test_values_that_only_together_are_right_are_taken_together():

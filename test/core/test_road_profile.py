@@ -114,6 +114,34 @@ def test_no_road_at_an_impossible_height(camera, disparity_of, height):
     assert fit(disparity_of(RoadSurface.plane(camera, height, PITCH)), camera) is None
 
 
+@pytest.mark.parametrize(("height", "believed"), [(1.1, False), (1.2, True), (1.95, True), (2.3, False)])
+def test_a_height_is_possible_within_a_factor_of_the_nominal_one(camera, disparity_of, height, believed):
+    disparity = disparity_of(RoadSurface.plane(camera, height, PITCH))
+    road = fit(disparity, camera, replace(CONFIG, camera_height=1.6))
+    assert (road is not None) == believed
+
+
+@pytest.mark.parametrize(("nominal", "believed"), [(0.0, False), (0.2, True)])
+def test_a_pitch_is_possible_about_the_nominal_one(camera, disparity_of, nominal, believed):
+    disparity = disparity_of(RoadSurface.plane(camera, HEIGHT, 0.25))
+    assert (fit(disparity, camera, replace(CONFIG, camera_pitch=nominal)) is not None) == believed
+
+
+def test_a_road_that_leans_as_no_road_does(camera, disparity_of, flat):
+    b0, b1, _, _ = flat.coefficients
+    assert fit(disparity_of(RoadSurface(camera, (b0, b1, 0.0, 0.3 * b1))), camera) is None
+
+
+def test_a_few_chance_matches_on_a_plane_are_not_believed(camera, disparity_of, flat):
+    """The right camera sees something else: little is matched at all, whatever plane that little lies on."""
+    disparity = disparity_of(flat)
+    rng = np.random.default_rng(0)
+    for share, believed in [(0.1, False), (0.5, True)]:
+        there = rng.random(disparity.shape) < share
+        road = fit(np.where(there, disparity, np.nan).astype(np.float32), camera)
+        assert (road is not None) == believed
+
+
 def test_no_road_in_a_wall(camera):
     assert fit(np.full((300, 640), 20.0, np.float32), camera) is None
 
