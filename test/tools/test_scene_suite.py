@@ -18,6 +18,7 @@ from lane_dp_ros.tools.scenes.marking_categories import MARKING_CATEGORIES
 from lane_dp_ros.tools.scenes.rendering import render
 from lane_dp_ros.tools.scenes.road import DASHED, SOLID, UNPAINTED, Line
 from lane_dp_ros.tools.scenes.scene import Motion, Scene, render_frame
+from lane_dp_ros.tools.scenes.sensor import Sensor, expose
 from lane_dp_ros.tools.scenes.suite import Drive, drives
 from lane_dp_ros.tools.scenes.view import Pose, View
 from lane_dp_ros.tools.truth import load_truth
@@ -41,11 +42,12 @@ GEOMETRIES = {  # categories, and how far [px] off the middle nine in ten rows o
 GREY = cv2.COLOR_BGR2GRAY
 
 
-def left_surface(scene, position=None, seed=1):
-    """What the left camera of a scene's first frame sees."""
+def left_view(scene, position=None, seed=1):
+    """How the left camera of a scene's first frame stands, what it sees, and its picture."""
     course = Course(scene.road, scene.motion.start if position is None else position)
     view = View(CAMERA, SIZE, course, scene.motion.pose(0.0, scene.road.pitch), 0.0, seed, 0.0)
-    return view, render(view, scene.light, scene.objects)[1]
+    light, surface = render(view, scene.light, scene.objects)
+    return view, surface, expose(light, view, scene.sensor, np.random.default_rng(seed))
 
 
 def paint_centres(paint, line, reach=12):
@@ -63,8 +65,8 @@ def paint_centres(paint, line, reach=12):
 
 @pytest.mark.parametrize(("name", "most"), GEOMETRIES.items())
 def test_the_truth_lies_on_the_middle_of_the_paint(name, most):
-    view, surface = left_surface(Drive(name).scene())
-    labels, _ = lane_labels(view, surface, sight=45.0)
+    view, surface, picture = left_view(Drive(name).scene())
+    labels, _ = lane_labels(view, surface, picture)
     assert labels
     centres = np.array([pair for label in labels for pair in paint_centres(surface.paint, label.uv)])
     assert len(centres) > 25
@@ -76,8 +78,8 @@ def test_the_truth_lies_on_the_middle_of_the_paint(name, most):
 @pytest.mark.parametrize("name", [name for name in MARKING_CATEGORIES if name.startswith("no_paint")])
 def test_a_road_without_paint_has_no_truth(name):
     scene = Drive(name).scene()
-    view, surface = left_surface(scene)
-    assert lane_labels(view, surface, sight=45.0) == ((), [None, None])
+    view, surface, picture = left_view(scene)
+    assert lane_labels(view, surface, picture) == ((), [None, None])
     assert not surface.paint.any()
 
 
@@ -95,7 +97,7 @@ def test_a_road_without_paint_has_no_truth(name):
 def test_a_stereo_matcher_finds_the_ground_where_it_is(road, start):
     scene = Scene(road, motion=Motion(start=start))
     pair = render_frame(scene, 0, 1)
-    _, surface = left_surface(scene)
+    _, surface, _ = left_view(scene)
     matcher = cv2.StereoSGBM_create(0, 96, 5, 200, 800, mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY)
     found = matcher.compute(cv2.cvtColor(pair.left, GREY), cv2.cvtColor(pair.right, GREY)) / 16.0
     on_road = surface.ground & (np.abs(surface.n) < 5) & (surface.depth < 35) & (found > 0)
@@ -127,8 +129,8 @@ def test_labels_of_a_flat_road_are_where_its_lines_are():
 
 def test_the_far_side_of_a_crest_is_hidden():
     scene = Scene(Road(swing=0, hill=6.0, hill_length=120), motion=Motion(start=35.0))
-    view, surface = left_surface(scene)
-    labels, _ = lane_labels(view, surface, sight=45.0)
+    view, surface, picture = left_view(scene)
+    labels, _ = lane_labels(view, surface, picture)
     farthest = max(label.xz[-1, 1] for label in labels)
     assert 18 < surface.depth[surface.ground].max() < 25  # the crest is 25 m ahead
     beyond = view.optical(view.course.points(40.0, 1.75))[0]
@@ -146,19 +148,19 @@ def test_a_line_that_ends_is_labelled_to_its_end():
 
 
 def test_a_line_that_grass_covers_is_not_sure():
-    view, surface = left_surface(Scene(Road(swing=0)))
+    view, surface, picture = left_view(Scene(Road(swing=0)))
     hidden = surface.n < -5.0  # all of the left line but every fourth metre
     surface.paint[hidden & (np.mod(surface.s, 4) > 1)] = 0
-    labels, _ = lane_labels(view, surface, sight=45.0)
+    labels, _ = lane_labels(view, surface, picture)
     assert [label.sure for label in labels] == [False, True, True]
 
 
 def test_a_line_behind_a_thing_ends_there():
-    view, surface = left_surface(Scene(Road(swing=0)))
+    view, surface, picture = left_view(Scene(Road(swing=0)))
     rows = np.s_[: int(CAMERA.cy + CAMERA.fy * 1.65 / 15), :]  # as a lorry 15 m ahead would stand
     surface.paint[rows] = 0
     surface.depth[rows] = 15
-    labels, _ = lane_labels(view, surface, sight=45.0)
+    labels, _ = lane_labels(view, surface, picture)
     assert max(label.xz[-1, 1] for label in labels) < 15.5
 
 
@@ -172,8 +174,8 @@ def test_the_lines_beside_the_vehicle_change_with_the_lane():
 def test_a_camera_that_looks_aside_keeps_the_truth_on_the_road():
     course = Course(Road(swing=0, lines=(SOLID, UNPAINTED, SOLID)), 50.0)
     view = View(CAMERA, SIZE, course, Pose(lateral=0.4, pitch=0.03, yaw=0.1), 0.0, 1, 0.0)
-    surface = render(view, Light(), ())[1]
-    labels, _ = lane_labels(view, surface, sight=45.0)
+    light, surface = render(view, Light(), ())
+    labels, _ = lane_labels(view, surface, expose(light, view, Sensor(), np.random.default_rng(1)))
     for label, n in zip(labels, (-5.25, 1.75), strict=True):
         x, z = label.xz.T
         across = x * np.cos(0.1) + z * np.sin(0.1)  # the picture's axis points 0.1 rad right of the road

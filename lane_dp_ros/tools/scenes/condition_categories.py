@@ -79,16 +79,14 @@ def _low_sun_glare(rng: Rng) -> Scene:
 
 def _night(rng: Rng) -> Scene:
     motion = _drive(rng)
-    light = Light(sky=0.0025, head_lamps=0.55, roughness=0.42, haze_length=900.0, sight=30.0)
+    light = Light(sky=0.0025, head_lamps=0.55, roughness=0.42, haze_length=900.0)
     sensor = Sensor(exposure=3.5, flare=0.06, full_well=900, dark=9.0, blur=0.8)
     return Scene(Road(swing=0.003, asphalt=92), light, _traffic(rng, motion, lamps=1.0), sensor, motion)
 
 
 def _night_in_town(rng: Rng) -> Scene:
     motion = _drive(rng, speed=10.0)
-    light = Light(
-        sky=0.006, head_lamps=0.25, street_lamps=0.22, roughness=0.40, haze_length=900.0, sight=35.0
-    )
+    light = Light(sky=0.006, head_lamps=0.25, street_lamps=0.22, roughness=0.40, haze_length=900.0)
     sensor = Sensor(exposure=4.0, flare=0.06, full_well=1200, dark=8.0, blur=0.7)
     road = Road(swing=0.001, verge="town", kerb=0.12, lane_widths=(3.25, 3.25))
     return Scene(road, light, (Posts(5.5, 30.0), *_traffic(rng, motion, lamps=0.8)), sensor, motion)
@@ -125,9 +123,7 @@ def _bridge(rng: Rng) -> Scene:
 
 def _wet(rng: Rng) -> Scene:
     motion = _drive(rng)
-    light = Light(
-        sky=0.8, wetness=float(rng.uniform(0.6, 0.9)), roughness=0.25, haze_length=220.0, sight=32.0
-    )
+    light = Light(sky=0.8, wetness=float(rng.uniform(0.6, 0.9)), roughness=0.25, haze_length=220.0)
     return Scene(Road(swing=0.003), light, _traffic(rng, motion, lamps=0.25), Sensor(flare=0.04), motion)
 
 
@@ -140,7 +136,6 @@ def _wet_night(rng: Rng) -> Scene:
         wetness=0.8,
         roughness=0.2,
         haze_length=500.0,
-        sight=22.0,
     )
     sensor = Sensor(exposure=4.0, flare=0.06, full_well=1000, dark=9.0, blur=0.8)
     objects = (Posts(5.5, 30.0), *_traffic(rng, motion, lamps=0.8))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.tools.labels import Kind, Label
+from lane_dp_ros.tools.scenes.legibility import legible
 from lane_dp_ros.tools.scenes.road import Line
 from lane_dp_ros.tools.scenes.surface import Surface
 from lane_dp_ros.tools.scenes.view import View
@@ -23,7 +24,7 @@ AHEAD = 45.0  # [m] over which lines are given at most
 STEP = 0.5  # [m] between their points
 FITTED_DEPTHS = (5.0, 35.0)  # [m] over which the ground is fitted
 PAINT_SEEN = 0.3  # share of the paint of a whole line that must be left for it to be seen
-LONG_HIDDEN = 8.0  # [m] of hidden paint that nobody bridges
+BRIDGED = 12.0  # [m] without paint to be seen that one bridges: between a motorway's dashes there are so many
 SHORT = 3.0  # [m] of a line that nobody is sure of
 EGO_BEGINS = 15.0  # [m] ahead by which a line beside the vehicle must have begun
 EGO_AT = 8.0  # [m] ahead where the lines beside the vehicle are told
@@ -38,15 +39,17 @@ class _Seen:
     label: Label
 
 
-def lane_labels(view: View, surface: Surface, sight: float) -> tuple[tuple[Label, ...], list[str | None]]:
+def lane_labels(
+    view: View, surface: Surface, image: NDArray[np.uint8]
+) -> tuple[tuple[Label, ...], list[str | None]]:
     """Return the labels of the lines that the left camera sees, and the ids left and right of the vehicle.
 
-    Lines end where their paint does, at the picture's border and where they are hidden for good. Those that
-    are hidden for more than half are not sure.
+    `image` (H, W, 3) BGR is the left picture, `surface` what it shows. Lines end where their paint does, at
+    the picture's border, and where they are hidden or no longer stand out from the road. A line of which less
+    than half can be seen is not sure; one that cannot be seen at all is given as far as it lies in sight.
     """
     ground = fitted_ground(view, surface)
-    named = [(f"line{i}", n, line) for i, (n, line) in enumerate(view.road.placed_lines)]
-    every = (_seen(view, surface, line, min(sight, AHEAD), ground) for line in named)
+    every = (_seen(view, surface, image, i, ground) for i in range(len(view.road.placed_lines)))
     seen = [line for line in every if line]
     beside = [line for line in seen if line.begins < EGO_BEGINS]
     left = max((line for line in beside if line.beside < 0), key=lambda line: line.beside, default=None)
@@ -79,30 +82,31 @@ def on_ground(uv: Floats, ground: Floats, camera: StereoCamera) -> Floats:
 
 
 def _seen(
-    view: View, surface: Surface, named: tuple[str, float, Line], sight: float, ground: Floats
+    view: View, surface: Surface, image: NDArray[np.uint8], number: int, ground: Floats
 ) -> _Seen | None:
-    name, n, line = named
-    s = np.arange(-1.0, sight, STEP)
+    n, line = view.road.placed_lines[number]
+    s = np.arange(-1.0, AHEAD, STEP)
     along = s + view.course.position
     aside = n + line.aside(along)
     points = view.optical(view.course.points(s, aside))
     uv = view.camera.project(points)
     painted = line.is_painted(along)
-    visible = painted & _is_visible(view, surface, points, uv, line)
-    part = _longest_part(painted, visible)
-    if part is None:
-        return None
+    in_sight = painted & _is_in_sight(view, surface, points, uv, line)
+    visible = legible(image, view, (n, line), s, in_sight)
+    gap = line.gap if line.painted == "dashed" else 0.0
+    part = _bridged_part(s, visible, gap)
+    sure = bool(len(part) and visible[part].sum() > painted[part].sum() / 2 and np.ptp(s[part]) >= SHORT)
+    part = part if sure else _bridged_part(s, in_sight, gap)
     xz = on_ground(uv[part], ground, view.camera)
     if len(xz) < 2:
         return None
-    sure = bool(visible[part].sum() > painted[part].sum() / 2 and np.ptp(s[part]) >= SHORT)
     kind: Kind = "dashed" if line.painted == "dashed" else "solid"
     begins = float(s[part][0])
     beside = float(np.interp(max(EGO_AT, begins), s, aside)) - view.pose.lateral
-    return _Seen(begins, beside, Label(name, kind, sure, uv[part], xz))
+    return _Seen(begins, beside, Label(f"line{number}", kind, sure, uv[part], xz))
 
 
-def _is_visible(view: View, surface: Surface, points: Floats, uv: Floats, line: Line) -> Mask:
+def _is_in_sight(view: View, surface: Surface, points: Floats, uv: Floats, line: Line) -> Mask:
     """Return which points (N, 3) of a line lie in the picture, before nothing, with paint on them."""
     z = points[:, 2]
     inside = (z > 1) & np.all((uv >= 0) & (uv <= np.array(view.size) - 1), axis=1)
@@ -114,12 +118,16 @@ def _is_visible(view: View, surface: Surface, points: Floats, uv: Floats, line: 
     return inside & in_front & (paint[v, u] > PAINT_SEEN * whole)
 
 
-def _longest_part(painted: Mask, visible: Mask) -> NDArray[np.intp] | None:
-    """Return the places from the first to the last that are visible, without what lies beyond long hiding."""
+def _bridged_part(s: Floats, visible: Mask, gap: float) -> NDArray[np.intp]:
+    """Return the places from the first to the last that are visible, the nearest piece that is not short.
+
+    Pieces are apart by more than one bridges; without a long one the longest, without any no places.
+    """
     seen = np.flatnonzero(visible)
     if len(seen) < 2:
-        return None
-    hidden = np.cumsum(painted & ~visible)[seen] * STEP
-    pieces = np.split(seen, np.flatnonzero(np.diff(hidden) > LONG_HIDDEN) + 1)
-    longest = max(pieces, key=lambda piece: int(piece[-1] - piece[0]))
-    return np.arange(longest[0], longest[-1] + 1) if len(longest) > 1 else None
+        return seen[:0]
+    far_apart = np.diff(s[seen]) > max(BRIDGED, gap) + 2 * STEP
+    pieces = np.split(seen, np.flatnonzero(far_apart) + 1)
+    long = [piece for piece in pieces if np.ptp(s[piece]) >= SHORT]
+    chosen = long[0] if long else max(pieces, key=len)
+    return np.arange(chosen[0], chosen[-1] + 1)

@@ -36,8 +36,7 @@ class Light:
     which two lines right of the road's axis trees shade it. `roughness`: the mean slope of the asphalt's
     facets, 0 for asphalt that does not shine. `wetness` 0 to 1. `head_lamps`: how bright one's own make a
     white sheet 10 m ahead; `street_lamps`: those every 30 m one under them.
-    `haze_length` [m]: distance over which the air takes 63 % of a thing's colour. `sight` [m]: how far a
-    careful human can make out paint in this light; lane lines are given as truth no farther.
+    `haze_length` [m]: distance over which the air takes 63 % of a thing's colour.
     """
 
     sky: float = 1.0
@@ -50,7 +49,6 @@ class Light:
     head_lamps: float = 0.0
     street_lamps: float = 0.0
     haze_length: float = 350.0
-    sight: float = 45.0
 
     def towards_sun(self, heading: float) -> Floats:
         """Return the direction (3,) to the sun: right, up, ahead as seen when heading so [rad]."""

@@ -109,7 +109,7 @@ def render_frame(
     left, right = (
         expose(light, view, scene.sensor, noise) for light, view in zip(lights, views, strict=True)
     )
-    labels, egos = lane_labels(views[0], surfaces[0], scene.light.sight)
+    labels, egos = lane_labels(views[0], surfaces[0], left)
     stamp_ns = first_stamp_ns + round(time * 1e9)
     truth = LabelledFrame(
         name=f"{category}/{index:02d}",
