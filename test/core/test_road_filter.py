@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The road over time: held while none is measured, deaf to contradictions, forgotten at jumps of time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lane_dp_ros.core.road import RoadSurface
+from lane_dp_ros.core.road_filter import RoadFilter, geometry, surface_of
+from lane_dp_ros.tools.scenes import CAMERA
+
+STEP = 100_000_000  # ns between frames
+START = 7_000_000_000
+NOMINAL = RoadSurface.plane(CAMERA, 1.5, 0.0)
+
+
+def road(height=1.65, pitch=0.01, roll=0.0, curvature=0.0):
+    return surface_of(NOMINAL, np.array([height, pitch, roll, curvature]))
+
+
+class Drive:
+    """Feeds frames, one every 0.1 s, to a filter."""
+
+    def __init__(self):
+        self.filter, self.stamp_ns = RoadFilter(), START
+
+    def see(self, measured, frames=1, nominal=NOMINAL):
+        """Return the last of the estimates."""
+        for _ in range(frames):
+            estimate = self.filter.update(measured, nominal, self.stamp_ns)
+            self.stamp_ns += STEP
+        return estimate
+
+
+@given(st.floats(1.0, 3.0), st.floats(-0.15, 0.15), st.floats(-0.15, 0.15), st.floats(-3e-3, 3e-3))
+def test_a_surface_has_the_geometry_that_it_is_made_of(height, pitch, roll, curvature):
+    values = np.array([height, pitch, roll, curvature])
+    np.testing.assert_allclose(geometry(surface_of(NOMINAL, values)), values, rtol=1e-6, atol=1e-9)
+
+
+def test_a_plane_has_its_height_and_pitch_and_no_more():
+    assert geometry(RoadSurface.plane(CAMERA, 1.6, 0.02)) == pytest.approx([1.6, 0.02, 0.0, 0.0])
+
+
+def test_the_vertical_curvature_is_that_of_the_heights():
+    """Points 8, 10 and 12 m ahead lie on a parabola of that curvature, which climbs."""
+    surface = road(pitch=0.0, curvature=2e-3)
+    z = np.array([8.0, 10.0, 12.0])
+    _, v = surface.ground_to_pixel(np.zeros(3), z)
+    down = (v - CAMERA.cy) * z / CAMERA.fy
+    assert -np.diff(down, 2)[0] / 2.0**2 == pytest.approx(2e-3, rel=0.05)
+
+
+def test_what_is_measured_serves_from_the_first_frame_on():
+    drive = Drive()
+    for measured in (road(), road(1.66, 0.02)):
+        estimate = drive.see(measured)
+        assert estimate.surface is measured
+        assert (estimate.source, estimate.reason) == ("measured", "")
+
+
+def test_without_any_road_the_nominal_one_serves():
+    estimate = Drive().see(None)
+    assert estimate.surface is NOMINAL
+    assert estimate.source == "nominal"
+
+
+def test_the_last_road_serves_for_five_seconds_and_then_the_nominal_one():
+    drive = Drive()
+    drive.see(road(1.7, 0.02, 0.03, 1e-3), frames=20)
+    sources = [drive.see(None).source for _ in range(60)]
+    assert sources == ["last"] * 50 + ["nominal"] * 10
+
+
+def test_the_last_road_is_that_which_was_measured():
+    drive = Drive()
+    measured = road(1.7, 0.02, 0.03, 1e-3)
+    drive.see(measured, frames=20)
+    assert drive.see(None).surface.coefficients == pytest.approx(measured.coefficients)
+
+
+def test_noise_is_averaged_out():
+    drive, rng = Drive(), np.random.default_rng(0)
+    noise = np.array([0.03, 0.005, 0.01, 5e-4])
+    for _ in range(100):
+        drive.see(surface_of(NOMINAL, np.array([1.65, 0.01, 0.0, 0.0]) + rng.normal(0, noise)))
+    held = geometry(drive.see(None).surface)
+    assert np.all(np.abs(held - [1.65, 0.01, 0.0, 0.0]) < noise)
+    assert abs(held[0] - 1.65) < 0.01 and abs(held[2]) < 0.004  # these hardly change and are averaged longer
+
+
+def test_pitch_is_followed_at_once_and_height_slowly():
+    drive = Drive()
+    drive.see(road(1.65, 0.01), frames=50)
+    drive.see(road(1.70, 0.03), frames=5)
+    height, pitch, *_ = geometry(drive.see(None).surface)
+    assert pitch > 0.025
+    assert height < 1.67
+
+
+@pytest.mark.parametrize(
+    ("other", "reason"),
+    [
+        (road(height=1.9), "camera height 1.9 m after 1.65"),
+        (road(pitch=0.08), "pitch 0.08 rad after 0.01"),
+        (road(roll=-0.06), "roll -0.06 rad after 0"),
+        (road(curvature=6e-3), "vertical curvature 0.006 1/m after 0"),
+    ],
+)
+def test_what_contradicts_the_road_so_far_is_not_used(other, reason):
+    drive = Drive()
+    drive.see(road(), frames=20)
+    estimate = drive.see(other)
+    assert estimate.source == "last"
+    assert estimate.reason.startswith(reason)
+    assert estimate.surface.coefficients == pytest.approx(road().coefficients)
+    assert drive.see(road()).source == "measured"
+
+
+def test_a_road_that_insists_for_a_second_is_believed():
+    """The first frame was wrong, not all that came after it."""
+    drive = Drive()
+    drive.see(road(1.3))
+    sources = [drive.see(road(1.65)).source for _ in range(15)]
+    assert sources == ["last"] * 10 + ["measured"] * 5
+
+
+def test_roads_that_contradict_one_another_are_not_believed():
+    """A right picture that stands still beside a left one that moves."""
+    drive = Drive()
+    drive.see(road(), frames=20)
+    heights = [1.3, 1.9, 2.2, 1.45] * 10
+    assert {drive.see(road(height)).source for height in heights} == {"last"}
+
+
+def test_a_road_that_agrees_in_between_ends_the_insisting():
+    drive = Drive()
+    drive.see(road(1.65), frames=20)
+    for _ in range(4):
+        assert {drive.see(road(1.9)).source for _ in range(8)} == {"last"}
+        assert drive.see(road(1.65)).source == "measured"
+
+
+@pytest.mark.parametrize("jump_ns", [-STEP, 1_100_000_000])
+def test_a_jump_of_time_forgets(jump_ns):
+    drive = Drive()
+    drive.see(road(), frames=20)
+    drive.stamp_ns += jump_ns - STEP
+    assert drive.see(None).source == "nominal"
+
+
+def test_another_calibration_forgets():
+    drive = Drive()
+    drive.see(road(), frames=20)
+    other = RoadSurface.plane(replace(CAMERA, baseline=0.3), 1.5, 0.0)
+    estimate = drive.see(None, nominal=other)
+    assert estimate.surface is other
+    assert estimate.source == "nominal"
+
+
+def test_the_same_stamp_twice_is_no_jump_of_time():
+    drive = Drive()
+    drive.see(road(), frames=20)
+    drive.stamp_ns -= STEP
+    assert drive.see(road(1.7)).source == "measured"
