@@ -85,7 +85,7 @@ def _seen(
     view: View, surface: Surface, image: NDArray[np.uint8], number: int, ground: Floats
 ) -> _Seen | None:
     n, line = view.road.placed_lines[number]
-    s: Floats = np.arange(-1.0, AHEAD, STEP)
+    s = np.asarray(np.arange(-1.0, AHEAD, STEP), dtype=np.float64)
     along = s + view.course.position
     aside = n + line.aside(along)
     points = view.optical(view.course.points(s, aside))
