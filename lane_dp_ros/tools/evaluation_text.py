@@ -98,10 +98,10 @@ def tables(results: Sequence[FrameResult]) -> str:
     return "\n\n".join([*parts, _literature(sequences["total"])])
 
 
-def table(title: str, summaries: Mapping[str, Summary]) -> str:
+def table(title: str, summaries: Mapping[str, Summary], columns: Sequence[Column] = COLUMNS) -> str:
     """Return a table, a summary to a line; "-" stands where there was nothing to count."""
-    rows = [[name, *(cell(summary, column) for column in COLUMNS)] for name, summary in summaries.items()]
-    heads = [["", *(c.top for c in COLUMNS)], [title, *(c.bottom for c in COLUMNS)]]
+    rows = [[name, *(cell(summary, column) for column in columns)] for name, summary in summaries.items()]
+    heads = [["", *(c.top for c in columns)], [title, *(c.bottom for c in columns)]]
     widths = [max(map(len, cells)) for cells in zip(*heads, *rows, strict=True)]
     lines = [[cells[0].ljust(widths[0]), *map(str.rjust, cells[1:], widths[1:])] for cells in [*heads, *rows]]
     return "\n".join("  ".join(line).rstrip() for line in lines)

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The frames that the benchmarks judge, held in memory, and quick verdicts on many configurations.
+
+Worker processes keep their share of the pairs, and what the detector's functions returned for them: whatever
+a change of the configuration does not touch is not computed again.
+"""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import wraps
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core import lane_detector
+from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.lane_detector import LaneDetector
+from lane_dp_ros.core.parameter import Parameters
+from lane_dp_ros.tools.evaluation import FrameResult
+from lane_dp_ros.tools.judging import judge, judge_unpainted
+from lane_dp_ros.tools.kitti import read_odometry
+from lane_dp_ros.tools.labelled_pairs import LabelledPair, load_pairs
+from lane_dp_ros.tools.labels import LabelledFrame
+
+Image = NDArray[np.uint8]
+
+UNPAINTED = "kitti_odometry/06"  # a whole sequence without paint: any line is false
+REMEMBERED = 64  # calls per frame; the detector makes about forty
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedPair:
+    """A pair in grey, and what is known of it: its labels, or None where there is no paint."""
+
+    name: str
+    sequence: str
+    left: Image
+    right: Image
+    camera: StereoCamera
+    frame: LabelledFrame | None = None
+    stamp_ns: int = 0
+
+    def judged(self, config: DetectorConfig) -> FrameResult:
+        """Return the verdict on what the detector finds in this pair, by itself."""
+        lanes = LaneDetector(self.camera, config).detect(self.left, self.right).lanes
+        if self.frame is None:
+            return judge_unpainted(self.name, lanes, self.sequence, self.stamp_ns)
+        return judge(self.frame, lanes, self.camera)
+
+
+def labelled_pairs(data: Path, truth: Path) -> list[JudgedPair]:
+    """Return the labelled pairs of a folder, a bag or a suite of scenes."""
+    return [_labelled(pair) for pair in load_pairs(data, truth)[1]]
+
+
+def _labelled(pair: LabelledPair) -> JudgedPair:
+    frame, (left, right) = pair.frame, map(_grey, pair.load())
+    return JudgedPair(frame.name, frame.sequence, left, right, frame.camera, frame, frame.stamp_ns or 0)
+
+
+def kitti_pairs(data: Path) -> list[JudgedPair]:
+    """Return the labelled pairs of the KITTI frames, and all of the sequence without paint."""
+    labelled = labelled_pairs(data, data / "labels" / "lanes.json")
+    drive = read_odometry(data / "kitti_odometry" / "sequences" / "06")
+    camera = StereoCamera.from_projections(drive.P_left, drive.P_right)
+    unpainted = [
+        JudgedPair(f"{UNPAINTED}/{left.stem}", UNPAINTED, _read(left), _read(right), camera, None, stamp_ns)
+        for left, right, stamp_ns in zip(drive.left, drive.right, drive.stamps_ns, strict=True)
+    ]
+    return [pair for pair in labelled if pair.sequence != UNPAINTED] + unpainted
+
+
+def _grey(image: Image) -> Image:
+    """Return what the detector makes of a picture first."""
+    return np.ascontiguousarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image)
+
+
+def _read(path: Path) -> Image:
+    return np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), np.uint8)
+
+
+class Judges:
+    """Processes that each keep a share of the pairs and judge them with any configuration.
+
+    `remember`: they keep what the detector's functions returned, too. Close it, or use it as a context.
+    """
+
+    def __init__(self, pairs: Sequence[JudgedPair], jobs: int, remember: bool = False) -> None:
+        # One pool for each share: a pool of several would hand a share to any of its processes.
+        shares = [pairs[i::jobs] for i in range(jobs)]
+        self._pools = [
+            ProcessPoolExecutor(1, get_context("spawn"), _set_up, (share, remember)) for share in shares
+        ]
+        self._order = [pair.name for pair in pairs]
+
+    def __enter__(self) -> Judges:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        for pool in self._pools:
+            pool.shutdown(cancel_futures=True)
+
+    def results(self, config: DetectorConfig, patches: Mapping[str, Any] | None = None) -> list[FrameResult]:
+        """Return the verdicts in the order of the pairs; `patches` replaces names of modules meanwhile.
+
+        Raises AttributeError for a name that there is none of.
+        """
+        shares = [pool.submit(_judged, config, dict(patches or {})) for pool in self._pools]
+        named = {result.name: result for share in shares for result in share.result()}
+        return [named[name] for name in self._order]
+
+
+@contextmanager
+def patched(patches: Mapping[str, Any]) -> Iterator[None]:
+    """Replace {dotted name: value} as long as the block lasts. Raises AttributeError for an unknown name."""
+    with ExitStack() as stack:
+        for name, value in patches.items():
+            stack.enter_context(patch(name, value))
+        yield
+
+
+_pairs: Sequence[JudgedPair] = ()
+_memories: list[Memory] = []
+
+
+def _set_up(pairs: Sequence[JudgedPair], remember: bool) -> None:
+    global _pairs, _memories  # noqa: PLW0603  (a process's own)
+    cv2.setNumThreads(1)  # each process has a core
+    _pairs = pairs
+    _memories = [Memory() for _ in pairs] if remember else []
+
+
+def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameResult]:
+    with patched(patches):
+        if not _memories:
+            return [pair.judged(config) for pair in _pairs]
+        results = []
+        for pair, memory in zip(_pairs, _memories, strict=True):
+            with memory.in_use():
+                results.append(pair.judged(config))
+        return results
+
+
+class Memory:
+    """What the stages of the detector returned for one pair, by the very objects that they were called with.
+
+    Configurations and plain values are told apart by what they are, all else by identity. That holds as long
+    as the stages are functions of their arguments; random numbers are taken for the same each time.
+    """
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
+
+    @contextmanager
+    def in_use(self) -> Iterator[None]:
+        """Let the detector's functions remember as long as the block lasts."""
+        stages = {
+            name: function
+            for name, function in vars(lane_detector).items()
+            if inspect.isfunction(function) and function.__module__ != lane_detector.__name__
+            and function.__module__.startswith("lane_dp_ros.core.")
+        }  # fmt: skip
+        prefix = lane_detector.__name__
+        with patched({f"{prefix}.{name}": self._remembering(f) for name, f in stages.items()}):
+            yield
+
+    def _remembering(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(function)
+        def remembering(*arguments: Any, **named: Any) -> Any:
+            values = (*arguments, *itertools.chain(*sorted(named.items())))
+            key = (function, *map(_identity, values))
+            if key in self._kept:
+                self._kept.move_to_end(key)
+            else:
+                # The arguments are kept as well: as long as they live, no other object has their identity.
+                self._kept[key] = function(*arguments, **named), values
+                if len(self._kept) > REMEMBERED:
+                    self._kept.popitem(last=False)
+            return self._kept[key][0]
+
+        return remembering
+
+
+def _identity(value: Any) -> Any:
+    """Return what tells an argument apart from others."""
+    if isinstance(value, np.random.Generator):
+        return None
+    if isinstance(value, (Parameters, StereoCamera, bool, int, float, str, type(None))):
+        return value
+    return "id", id(value)

@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""How good the detector is on a drive that did not take part in choosing its thresholds.
+
+python benchmarks/leave_a_drive_out.py DATA [--suite DIR] [--jobs N]
+DATA: the labelled KITTI frames. For each drive, the thresholds below are chosen on all other drives, and
+the drive is judged with them. --suite: choose on one frame of each category of these scenes, too.
+
+A threshold's grid is what is physically plausible. The search begins in the middle of every grid, not at the
+defaults, and goes through the thresholds in turn; of values that are equally good it takes the middle one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import statistics
+import sys
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs
+
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.parameter import parameters, replaced
+from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.evaluation import Summary
+from lane_dp_ros.tools.evaluation_text import COLUMNS, table
+from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.summary import summarise
+
+SEARCHED: dict[str, Sequence[float]] = {
+    "lane_selection.score_min": (1.0, 2.0, 3.0, 4.0, 5.0),  # m
+    "lane_selection.score_alone": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
+    "lane_selection.run_min": (0.5, 1.0, 2.0, 3.0, 4.0),  # m
+    "lane_selection.start_max": (12.0, 16.0, 20.0, 24.0, 28.0),  # m
+    "lane_selection.paint_width_max": (0.24, 0.30, 0.36, 0.42, 0.48),  # m
+    "lane_selection.breadth_max": (0.6, 0.75, 0.9, 1.05, 1.2),
+    "lane_selection.height_min": (-0.20, -0.15, -0.10, -0.07, -0.04),  # m
+    "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
+    "lane_selection.slope_max": (0.06, 0.10, 0.15, 0.20, 0.30),
+    "lane_selection.slope_per_bend": (0.0, 4.0, 8.0, 12.0, 16.0),  # m
+    "lane_selection.roughness_max": (0.10, 0.15, 0.20, 0.25, 0.30),
+    "lane_selection.brightness_min": (-0.3, -0.2, -0.1, 0.0, 0.1),
+    "lane_selection.beside_max": (0.4, 0.6, 0.8, 1.0, 1.2),  # m
+    "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
+    "lane_selection.lane_width_max": (3.75, 4.0, 4.25, 4.5, 5.0),  # m
+    "path_search.min_score": (0.5, 1.0, 2.0, 3.0, 4.0),  # m
+    "path_search.blank_cost": (0.05, 0.10, 0.20, 0.30, 0.40),
+    "lane_graph.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),
+    "lane_graph.contrast_max": (1.8, 2.4, 3.0, 3.6, 4.2),
+}
+ROUNDS = 2  # through all of them
+AS_GOOD = 0.001  # of the objective
+STEREO_DRIVES = (  # first and last number of the frames; no mapping to raw drives comes with them
+    ("7-13 (junctions)", 7, 13),
+    ("22-31 (dual carriageway)", 22, 31),
+    ("57", 57, 57),
+    ("72-81 (multi-lane)", 72, 81),
+    ("89", 89, 89),
+    ("112", 112, 112),
+    ("120", 120, 120),
+    ("144-148 (city)", 144, 148),
+)
+SUITE = "suite"  # the drive of the scenes; never judged
+
+Values = tuple[float, ...]  # in the order of SEARCHED
+Scores = Mapping[str, Summary]  # by drive
+
+
+def drive_of(pair: JudgedPair) -> str:
+    """Return the drive that a labelled pair is of: a sequence, or what neighbours and looks alike."""
+    if pair.sequence != "kitti_stereo_2015":
+        return pair.sequence
+    number = int(pair.name.rpartition("/")[2].partition("_")[0])
+    for name, first, last in STEREO_DRIVES:
+        if first <= number <= last:
+            return f"stereo 2015, {name}"
+    raise CommandError(f"{pair.name} is of none of the known drives: add it to STEREO_DRIVES")
+
+
+@dataclass
+class Search:
+    """Verdicts by thresholds, each worked out once, and the search for the best ones."""
+
+    judges: Judges
+    drives: Mapping[str, str]  # name of the pair: drive
+    scores: dict[Values, Scores] = field(default_factory=dict)
+
+    def scored(self, values: Values) -> Scores:
+        """Return the summary of each drive with these thresholds."""
+        if values not in self.scores:
+            self.scores[values] = self._judged(config_of(values))
+            print(f"\r{len(self.scores)} sets of thresholds", end="", file=sys.stderr, flush=True)
+        return self.scores[values]
+
+    def _judged(self, config: DetectorConfig) -> Scores:
+        results = self.judges.results(config)
+        names = dict.fromkeys(self.drives.values())
+        return {name: summarise(r for r in results if self.drives[r.name] == name) for name in names}
+
+    def best(self, drives: Iterable[str]) -> Values:
+        """Return the thresholds that suit these drives best: one at a time, twice through all."""
+        chosen = list(drives)
+        values = middle()
+        for i in [*range(len(values))] * ROUNDS:
+            tried = [(*values[:i], value, *values[i + 1 :]) for value in list(SEARCHED.values())[i]]
+            quality = [objective([self.scored(each)[drive] for drive in chosen]) for each in tried]
+            good = [each for each, q in zip(tried, quality, strict=True) if q >= max(quality) - AS_GOOD]
+            values = good[len(good) // 2]
+        return values
+
+
+def middle() -> Values:
+    """Return the middle of every grid."""
+    return tuple(statistics.median_low(grid) for grid in SEARCHED.values())
+
+
+def config_of(values: Values) -> DetectorConfig:
+    """Return the defaults with these thresholds. Raises ValueError for a name that is no parameter."""
+    return replaced(DetectorConfig(), dict(zip(SEARCHED, values, strict=True)))
+
+
+def objective(summaries: Iterable[Summary]) -> float:
+    """Return the harmonic mean of the paper's precision, recall and detection precision.
+
+    It is lowered by the share of a lane that each frame without painted lines yields.
+    """
+    summaries = list(summaries)
+    total = sum(summaries, Summary())
+    bare = sum((s for s in summaries if not s.labels), Summary())
+    numbers = [total.paper_precision, total.lane_recall, total.detection_precision]
+    penalty = bare.false_lanes / bare.frames if bare.frames else 0.0
+    return statistics.harmonic_mean([0.0 if math.isnan(n) else n for n in numbers]) * max(0.0, 1 - penalty)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Search once for each drive, and print."""
+    config_of(middle())  # an unknown name fails here, before all the work
+    pairs = kitti_pairs(arguments.data)
+    drives = {pair.name: drive_of(pair) for pair in pairs}
+    if arguments.suite:
+        scenes = labelled_pairs(arguments.suite, arguments.suite / "truth.json")
+        scenes = [pair for pair in scenes if pair.name.endswith("/02")]
+        pairs += scenes
+        drives |= {pair.name: SUITE for pair in scenes}
+    names = [name for name in dict.fromkeys(drives.values()) if name != SUITE]
+    with Judges(pairs, arguments.jobs, remember=True) as judges:
+        search = Search(judges, drives)
+        chosen = {name: search.best(n for n in dict.fromkeys(drives.values()) if n != name) for name in names}
+        left_out = {name: search.scored(values)[name] for name, values in chosen.items()}
+        defaults = search.scored(tuple(float(parameters(DetectorConfig())[n].default) for n in SEARCHED))
+    print(file=sys.stderr)
+    report(left_out, {name: defaults[name] for name in names}, chosen)
+
+
+def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> None:
+    """Print the verdicts with the drive left out, those by the defaults, and what was chosen how often."""
+    columns = COLUMNS[: [column.attribute for column in COLUMNS].index("id_switches")]
+    for title, scores in (("left out", left_out), ("defaults", defaults)):
+        total = {"total": sum(scores.values(), Summary())}
+        print(table(title, {**scores, **total}, columns), end="\n\n")
+    error = sum(left_out.values(), Summary()).localisation_error
+    print(f"localisation error with the drive left out: {error:.3f} m")
+    print(f"lines on the frames of {UNPAINTED}: {left_out[UNPAINTED].false_lanes}\n")
+    shipped = parameters(DetectorConfig())
+    print("How often each value was chosen (grid: times), and the default:")
+    for i, (name, grid) in enumerate(SEARCHED.items()):
+        times = Counter(values[i] for values in chosen.values())
+        counts = "  ".join(f"{value:g}: {times[value]}" for value in grid)
+        print(f"{name:34s} {counts}  (default {shipped[name].default:g})")
+
+
+def main() -> int:
+    """Search and print; 1 for a known error, in one line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, metavar="DATA")
+    parser.add_argument("--suite", type=Path, metavar="DIR", help="a folder of lane_dp scenes")
+    parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
+    try:
+        run(parser.parse_args())
+    except (CommandError, ValueError, OSError) as error:
+        print(one_line(error), file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
