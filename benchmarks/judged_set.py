@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import inspect
 import itertools
-from collections import OrderedDict
+from collections import OrderedDict, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -28,8 +28,10 @@ from numpy.typing import NDArray
 from lane_dp_ros.core import lane_detector
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane_detector import LaneDetector
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.parameter import Parameters
+from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline
 from lane_dp_ros.tools.evaluation import FrameResult
 from lane_dp_ros.tools.judging import judge, judge_unpainted
 from lane_dp_ros.tools.kitti import read_odometry
@@ -44,7 +46,10 @@ REMEMBERED = 64  # calls per frame; the detector makes about forty
 
 @dataclass(frozen=True, eq=False)
 class JudgedPair:
-    """A pair in grey, and what is known of it: its labels, or None where there is no paint."""
+    """A pair in grey, and what is known of it: its labels, or None where there is no paint.
+
+    Pairs with a stamp are consecutive in their sequence.
+    """
 
     name: str
     sequence: str
@@ -52,13 +57,24 @@ class JudgedPair:
     right: Image
     camera: StereoCamera
     frame: LabelledFrame | None = None
-    stamp_ns: int = 0
+    stamp_ns: int | None = None
 
-    def judged(self, config: DetectorConfig) -> FrameResult:
-        """Return the verdict on what the detector finds in this pair, by itself."""
-        lanes = LaneDetector(self.camera, config).detect(self.left, self.right).lanes
+    def detected(self, config: DetectorConfig) -> LaneDetection:
+        """Return what the detector finds in this pair, by itself."""
+        return LaneDetector(self.camera, config).detect(self.left, self.right)
+
+    def followed(self, config: DetectorConfig, pipeline: LanePipeline) -> tuple[Lane, ...]:
+        """Return what the node publishes for this pair after those before it."""
+        detection = self.detected(config)
+        if self.stamp_ns is None:
+            return detection.lanes
+        answer = Answer(self.left, "", self.camera, detection, detection.lanes)
+        return pipeline.follow(answer, self.stamp_ns, config).lanes
+
+    def judged(self, lanes: tuple[Lane, ...]) -> FrameResult:
+        """Return the verdict on lanes."""
         if self.frame is None:
-            return judge_unpainted(self.name, lanes, self.sequence, self.stamp_ns)
+            return judge_unpainted(self.name, lanes, self.sequence, self.stamp_ns or 0)
         return judge(self.frame, lanes, self.camera)
 
 
@@ -69,7 +85,7 @@ def labelled_pairs(data: Path, truth: Path) -> list[JudgedPair]:
 
 def _labelled(pair: LabelledPair) -> JudgedPair:
     frame, (left, right) = pair.frame, map(_grey, pair.load())
-    return JudgedPair(frame.name, frame.sequence, left, right, frame.camera, frame, frame.stamp_ns or 0)
+    return JudgedPair(frame.name, frame.sequence, left, right, frame.camera, frame, frame.stamp_ns)
 
 
 def kitti_pairs(data: Path) -> list[JudgedPair]:
@@ -96,12 +112,17 @@ def _read(path: Path) -> Image:
 class Judges:
     """Processes that each keep a share of the pairs and judge them with any configuration.
 
-    `remember`: they keep what the detector's functions returned, too. Close it, or use it as a context.
+    Consecutive pairs are detected as the node does it, with its memory. Or `remember`: each by itself, and
+    the processes keep what the detector's functions returned. Close it, or use it as a context.
     """
 
     def __init__(self, pairs: Sequence[JudgedPair], jobs: int, remember: bool = False) -> None:
+        whole = dict.fromkeys(pair.name if remember else pair.sequence for pair in pairs)
+        share_of = {name: i % jobs for i, name in enumerate(whole)}
+        shares: list[list[JudgedPair]] = [[] for _ in range(jobs)]
+        for pair in pairs:
+            shares[share_of[pair.name if remember else pair.sequence]].append(pair)
         # One pool for each share: a pool of several would hand a share to any of its processes.
-        shares = [pairs[i::jobs] for i in range(jobs)]
         self._pools = [
             ProcessPoolExecutor(1, get_context("spawn"), _set_up, (share, remember)) for share in shares
         ]
@@ -147,11 +168,12 @@ def _set_up(pairs: Sequence[JudgedPair], remember: bool) -> None:
 def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameResult]:
     with patched(patches):
         if not _memories:
-            return [pair.judged(config) for pair in _pairs]
+            pipelines: defaultdict[str, LanePipeline] = defaultdict(LanePipeline)
+            return [pair.judged(pair.followed(config, pipelines[pair.sequence])) for pair in _pairs]
         results = []
         for pair, memory in zip(_pairs, _memories, strict=True):
             with memory.in_use():
-                results.append(pair.judged(config))
+                results.append(pair.judged(pair.detected(config).lanes))
         return results
 
 

@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What each step of the default pipeline gives: the numbers without it, or with a plainer one in its place.
+
+python benchmarks/ablation.py DATA SUITE [--jobs N]
+DATA: the labelled KITTI frames, with all of odometry 06, which has no paint. SUITE: a folder that
+`lane_dp scenes --suite standard` wrote. Prints a table in Markdown; docs/results.md has one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
+
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.data import BirdsEyeView, RoadEdges
+from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.core.road import RoadAxis
+from lane_dp_ros.tools.convert import progress
+from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.evaluation import FrameResult
+from lane_dp_ros.tools.evaluation_text import Column, cell
+from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.summary import summarise
+
+CORE = "lane_dp_ros.core"
+ANY = 1e9  # a limit that nothing exceeds
+TEXTURE = 5.0  # grey levels: that of ordinary asphalt
+
+
+def straight_ahead(_edges: RoadEdges, _config: object) -> RoadAxis:
+    """Take the road to run where the camera looks."""
+    return RoadAxis()
+
+
+def even_texture(view: BirdsEyeView) -> np.ndarray[Any, Any]:
+    """Take all ground for equally rough."""
+    return np.full(view.image.shape, TEXTURE, np.float32)
+
+
+def yes(*_: object) -> bool:
+    """Accept every line."""
+    return True
+
+
+def untracked(_tracker: object, lanes: Sequence[Any], _stamp_ns: int) -> tuple[Any, ...]:
+    """Publish each frame's own lines."""
+    return tuple(lanes)
+
+
+def unfiltered(_pipeline: object, answer: Any, *_: object) -> Any:
+    """Take each pair's own road."""
+    return answer
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """One change to the default pipeline: parameters, and names of modules that are replaced."""
+
+    change: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    patches: Mapping[str, Any] = field(default_factory=dict)
+
+
+ABLATIONS = (
+    Ablation("none"),
+    Ablation("disparity at full resolution", {"disparity.downscale": 1}),
+    Ablation("road without cross slope", {"road_profile.roll": False}),
+    Ablation("road profile of each pair by itself", patches={
+        "lane_dp_ros.ros.lane_pipeline.LanePipeline._on_road": unfiltered}),
+    Ablation("no straightening: road straight ahead", patches={
+        f"{CORE}.lane_detector.road_axis": straight_ahead}),
+    Ablation("the paper's dense vanishing point", {"vanishing_point.method": "dense"}),
+    Ablation("direction by sum h instead of sum h^3", patches={f"{CORE}.road_direction.SHARPNESS": 1}),
+    Ablation("the paper's feature: edges and grey", {"lane_graph.feature": "edges_and_grey"}),
+    Ablation("no texture normalisation", patches={f"{CORE}.lane_graph.road_texture": even_texture}),
+    Ablation("one paint width (0.15 m)", patches={f"{CORE}.lane_graph.PAINT_WIDTHS": (0.15,)}),
+    Ablation("no height mask", {"birds_eye.height_tolerance": 1.0}),
+    Ablation("the paper's Algorithm 2, bottom to top", {"path_search.free_ends": False}),
+    Ablation("no memory of slope: bends cost nothing", patches={f"{CORE}.path_search.BEND_COST": 0.0}),
+    Ablation("suppression of +-1 m", {"path_search.suppression": 1.0}),
+    Ablation("the paper's parabola by RANSAC", {"lane_model.model": "parabola"}),
+    Ablation("robust parabola instead of cubic", patches={f"{CORE}.lane_model.CUBIC_LENGTH": ANY}),
+    Ablation("no height test", {"lane_selection.height_min": -1.0, "lane_selection.height_max": 1.0}),
+    Ablation("no width test", {"lane_selection.paint_width_max": 1.0}),
+    Ablation("no breadth test", {"lane_selection.breadth_max": 5.0}),
+    Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
+    Ablation("no roughness test", {"lane_selection.roughness_max": 1.0}),
+    Ablation("no brightness test", {"lane_selection.brightness_min": -1.0}),
+    Ablation("no test of the longest piece", {"lane_selection.run_min": 0.0}),
+    Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
+    Ablation("no mid-lane rule", patches={
+        f"{CORE}.lane_selection.STRONG_ALONE": 0.0, f"{CORE}.lane_selection.LONG_PAINT": 0.0}),
+    Ablation("weak lines need no partner", {"lane_selection.score_alone": 0.5}),
+    Ablation("no tests at all, only 4 m of paint", {
+        "lane_selection.score_min": 4.0, "lane_selection.score_alone": 4.0,
+        "lane_selection.second_look": False,
+    }, {
+        f"{CORE}.lane_detector.is_paint": yes,
+        f"{CORE}.lane_selection.STRONG_ALONE": 0.0, f"{CORE}.lane_selection.LONG_PAINT": 0.0,
+    }),
+    Ablation("no second look", {"lane_selection.second_look": False}),
+    Ablation("no tracker", patches={f"{CORE}.tracking.LaneTracker.update": untracked}),
+)  # fmt: skip
+
+QUALITY = (
+    Column("", "precision", "paper_precision"),
+    Column("", "recall", "lane_recall"),
+    Column("", "det. precision", "detection_precision"),
+    Column("", "error m", "localisation_error"),
+)
+GROUPS = {
+    "labelled frames": QUALITY,
+    "06": (Column("", "lines", "false_lanes", "d"),),
+    "suite": (
+        *QUALITY,
+        Column("", "false lanes", "false_lanes", "d"),
+        Column("", "jitter m", "jitter", ".4f"),
+        Column("", "id switches", "id_switches", "d"),
+    ),
+}
+
+
+def check(ablations: Sequence[Ablation]) -> None:
+    """Raise ValueError or AttributeError for a parameter or a name that is gone."""
+    for ablation in ablations:
+        replaced(DetectorConfig(), ablation.parameters)
+        with patched(ablation.patches):
+            pass
+
+
+def row(ablation: Ablation, results: Sequence[FrameResult], kitti: frozenset[str]) -> str:
+    """Return a line of the table; `kitti` names the labelled frames."""
+    groups = (
+        [r for r in results if r.name in kitti and r.sequence != UNPAINTED],
+        [r for r in results if r.sequence == UNPAINTED],
+        [r for r in results if r.name not in kitti],
+    )
+    cells = [
+        cell(summarise(group), column)
+        for group, columns in zip(groups, GROUPS.values(), strict=True)
+        for column in columns
+    ]
+    return f"| {' | '.join([ablation.change, *cells])} |"
+
+
+def heads() -> str:
+    """Return the first two lines of the table."""
+    titles = [f"{group}: {column.bottom}" for group, columns in GROUPS.items() for column in columns]
+    return f"| change | {' | '.join(titles)} |\n|---{'|---' * len(titles)}|"
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Judge every change, and print a line for each."""
+    chosen = [each for each in ABLATIONS if arguments.only.lower() in each.change or each.change == "none"]
+    check(chosen)
+    kitti = kitti_pairs(arguments.data)
+    scenes = labelled_pairs(arguments.suite, arguments.suite / "truth.json")
+    names = frozenset(pair.name for pair in kitti)
+    rows = [heads()]
+    with Judges([*kitti, *scenes], arguments.jobs) as judges:
+        for ablation in progress(iter(chosen), len(chosen), "change"):
+            results = judges.results(replaced(DetectorConfig(), ablation.parameters), ablation.patches)
+            rows.append(row(ablation, results, names))
+    print(*rows, sep="\n")
+
+
+def main() -> int:
+    """Judge and print; 1 for a known error, in one line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, metavar="DATA")
+    parser.add_argument("suite", type=Path, metavar="SUITE")
+    parser.add_argument("--only", default="", metavar="TEXT", help="changes with this in their name")
+    parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
+    try:
+        run(parser.parse_args())
+    except (CommandError, ValueError, AttributeError, OSError) as error:
+        print(one_line(error), file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
