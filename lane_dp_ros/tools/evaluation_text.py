@@ -11,8 +11,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.evaluation import FrameResult, Match, Summary
+from lane_dp_ros.tools.reliability import CONFIDENCE_BINS, confidences, reliability
 from lane_dp_ros.tools.summary import by_category, by_sequence
 
 FORMAT = "lane_dp evaluation 1"  # of the JSON file; docs/evaluation.md
@@ -95,7 +98,7 @@ def tables(results: Sequence[FrameResult]) -> str:
     parts = [table("sequence", sequences)]
     if any(result.category for result in results) and categories != sequences:
         parts.append(table("category", categories))
-    return "\n\n".join([*parts, _literature(sequences["total"])])
+    return "\n\n".join([*parts, "\n".join([_calibration(results), _literature(sequences["total"])])])
 
 
 def table(title: str, summaries: Mapping[str, Summary], columns: Sequence[Column] = COLUMNS) -> str:
@@ -112,6 +115,17 @@ def cell(summary: Summary, column: Column) -> str:
     value = getattr(summary, column.attribute)
     nothing = math.isnan(value) or (column.attribute == "id_switches" and not summary.id_chances)
     return "-" if nothing else format(value * column.scale if column.scale != 1 else value, column.spec)
+
+
+def _calibration(results: Sequence[FrameResult]) -> str:
+    """Return the share of right lines by confidence, as long as something was published."""
+    bins = reliability(*confidences(results))
+    if math.isnan(bins.error):
+        return "nothing was published"
+    shares = (
+        f"{CONFIDENCE_BINS[i]:.1f}: {bins.right[i]} of {bins.counts[i]}" for i in np.flatnonzero(bins.counts)
+    )
+    return f"right by confidence, from {', '.join(shares)}; expected calibration error {bins.error:.3f}"
 
 
 def _literature(total: Summary) -> str:
@@ -177,8 +191,21 @@ def as_json(results: Sequence[FrameResult], notes: Sequence[str]) -> dict[str, A
         "total": _summary_json(total),
         "sequences": {name: _summary_json(summary) for name, summary in sequences.items()},
         "categories": {name: _summary_json(summary) for name, summary in categories.items()},
+        "reliability": _reliability_json(results),
         "notes": list(notes),
         "frames": [_frame_json(result) for result in results],
+    }
+
+
+def _reliability_json(results: Sequence[FrameResult]) -> dict[str, Any]:
+    bins = reliability(*confidences(results))
+    rows = zip(CONFIDENCE_BINS, bins.confidence, bins.right, bins.counts, strict=False)
+    return {
+        "expected_calibration_error": _number(bins.error),
+        "bins": [
+            {"from": float(low), "mean": _number(float(mean)), "right": int(right), "lines": int(lines)}
+            for low, mean, right, lines in rows
+        ],
     }
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the curves of the report show, as numbers: confidence against truth, error over distance."""
+"""What the curves of the report show, as numbers: precision and recall, error over distance."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.tools.evaluation import FrameResult
 from lane_dp_ros.tools.labels import JUDGED_DEPTHS
+from lane_dp_ros.tools.reliability import confidences, share
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 THRESHOLDS = np.arange(0, 51) / 50
-CONFIDENCE_BINS = np.arange(0, 11) / 10
 DISTANCE_STEP = 2.0  # m
-Z_95 = 1.96  # standard deviations of a normal distribution on either side of 95 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,29 +28,6 @@ class ThresholdCurve:
     thresholds: Floats
     precision: Floats
     recall: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Reliability:
-    """By bin of confidence: its mean, the share of lines that are right, how many there are.
-
-    `low` and `high` hold the share with 95 % confidence (Wilson's interval).
-    """
-
-    confidence: Floats
-    share: Floats
-    low: Floats
-    high: Floats
-    counts: Counts
-
-    @property
-    def error(self) -> float:
-        """How far confidence and share lie apart, averaged over the lines; nan without lines."""
-        used = self.counts > 0
-        if not used.any():
-            return float("nan")
-        apart = np.abs(self.confidence[used] - self.share[used])
-        return float(np.average(apart, weights=self.counts[used]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,24 +45,13 @@ def threshold_curve(results: Sequence[FrameResult]) -> ThresholdCurve:
 
     The matching stays that of all lines; at threshold 0 both are the summary's.
     """
-    confidence, right = _confidences(results)
+    confidence, right = confidences(results)
     matched = [r.detections[m.detection].lane.confidence for r in results for m in r.found]
     labels = sum(len(result.labels) for result in results)
     kept = confidence[None] >= THRESHOLDS[:, None]
     found = np.asarray(matched, dtype=np.float64)[None] >= THRESHOLDS[:, None]
-    precision = _share((kept & right).sum(axis=1), kept.sum(axis=1))
-    return ThresholdCurve(THRESHOLDS, precision, _share(found.sum(axis=1), np.full(len(THRESHOLDS), labels)))
-
-
-def reliability(results: Sequence[FrameResult]) -> Reliability:
-    """Return, for bins of confidence, which share of the lines published with it is right."""
-    confidence, right = _confidences(results)
-    last = len(CONFIDENCE_BINS) - 2
-    index = np.clip(np.digitize(confidence, CONFIDENCE_BINS) - 1, 0, last)  # confidence 1 is in the last bin
-    counts = np.bincount(index, minlength=last + 1)
-    share = _share(np.bincount(index, right, last + 1), counts)
-    mean = _share(np.bincount(index, confidence, last + 1), counts)
-    return Reliability(mean, share, *_wilson(share, counts), counts)
+    precision = share((kept & right).sum(axis=1), kept.sum(axis=1))
+    return ThresholdCurve(THRESHOLDS, precision, share(found.sum(axis=1), np.full(len(THRESHOLDS), labels)))
 
 
 def error_over_distance(results: Sequence[FrameResult]) -> DistanceErrors:
@@ -105,20 +70,3 @@ def error_over_distance(results: Sequence[FrameResult]) -> DistanceErrors:
         np.array([np.percentile(each, 90) if each.size else nan for each in bins]),
         np.array([each.size for each in bins]),
     )
-
-
-def _confidences(results: Sequence[FrameResult]) -> tuple[Floats, NDArray[np.bool_]]:
-    pairs = [pair for result in results for pair in result.confidences]
-    return np.array([c for c, _ in pairs], dtype=np.float64), np.array([r for _, r in pairs], dtype=bool)
-
-
-def _share(part: NDArray, whole: NDArray) -> Floats:
-    return np.divide(part, whole, out=np.full(len(whole), np.nan), where=whole > 0)
-
-
-def _wilson(share: Floats, counts: Counts) -> tuple[Floats, Floats]:
-    """Return the bounds of a share that was seen in `counts` trials; nan without trials."""
-    n = np.where(counts > 0, counts, np.nan)
-    centre = (share + Z_95**2 / (2 * n)) / (1 + Z_95**2 / n)
-    half = Z_95 / (1 + Z_95**2 / n) * np.sqrt(share * (1 - share) / n + (Z_95 / (2 * n)) ** 2)
-    return centre - half, centre + half

@@ -11,8 +11,9 @@ from html import escape
 import numpy as np
 
 from lane_dp_ros.tools.evaluation import FrameResult
+from lane_dp_ros.tools.reliability import confidences, reliability
 from lane_dp_ros.tools.report.chart import Axis, Chart
-from lane_dp_ros.tools.report.curves import error_over_distance, reliability, threshold_curve
+from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
 from lane_dp_ros.tools.report.tables import number
 
 TICKS = 5  # about so many on an axis
@@ -44,7 +45,7 @@ def _threshold_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
 
 
 def _reliability_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
-    bins = reliability(results)
+    bins = reliability(*confidences(results))
     title = "Is the confidence right?"
     chart = Chart(title, _share_axis("confidence"), _share_axis("share of lines that are right"))
     chart.line((0, 1), (0, 1), "ideal")
@@ -56,7 +57,8 @@ def _reliability_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
         chart.dot(x, y, "point one")
     words = (
         f"Of the lines published with confidence p about p should be right (dashed); on average the two lie "
-        f"<b>{number(bins.error)}</b> apart. Bars: 95 % interval; above: number of lines."
+        f"<b>{number(bins.error)}</b> apart (expected calibration error). Bars: 95 % interval; above: number "
+        f"of lines."
     )
     return title, chart.svg(), words
 

@@ -8,8 +8,9 @@ import re
 import numpy as np
 import pytest
 
+from lane_dp_ros.tools.reliability import confidences, reliability
 from lane_dp_ros.tools.report.chart import Axis, Chart
-from lane_dp_ros.tools.report.curves import error_over_distance, reliability, threshold_curve
+from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
 from lane_dp_ros.tools.report.failures import Failure, counts_by_reason, failures, reason, worst_first
 from lane_dp_ros.tools.report.plots import plots
 from lane_dp_ros.tools.scenes.categories import CATEGORIES
@@ -33,7 +34,7 @@ def test_thresholds_above_all_lines_have_no_precision(results):
 
 
 def test_reliability(results):
-    bins = reliability(results)
+    bins = reliability(*confidences(results))
     assert bins.counts.tolist() == [0, 0, 0, 1, 0, 0, 2, 0, 3, 5]  # confidence 1 is in the last one
     np.testing.assert_allclose(bins.share[[3, 6, 8, 9]], [0, 0.5, 1, 1])
     np.testing.assert_allclose(bins.confidence[[3, 6, 8, 9]], [0.35, 0.65, 0.85, 0.96])
@@ -44,7 +45,7 @@ def test_reliability(results):
 
 
 def test_nothing_published_has_no_reliability():
-    assert math.isnan(reliability([]).error)
+    assert math.isnan(reliability([], []).error)
     assert "<svg" in plots([])
 
 
