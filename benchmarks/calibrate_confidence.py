@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""How often a published line is right, by what speaks for it, and the confidence that this makes.
+
+python benchmarks/calibrate_confidence.py DATA [SUITE] [--evidence score,run] [--set NAME=VALUE ...]
+DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Prints for each number of a line's
+evidence how many of the lines are right in each fifth of them, then a logistic regression of "is right" on
+the logarithms of the numbers that --evidence names, and how reliable it is on sequences left out of it.
+Thresholds set lower (--set lane_selection.score_min=1) let more wrong lines through to learn from.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import yaml
+from judged_set import JudgedPair, kitti_pairs, labelled_pairs
+from numpy.typing import NDArray
+
+from lane_dp_ros.core import lanes as lanes_module
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.data import LaneEvidence, LaneLine
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.tools.convert import progress
+from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.reliability import Reliability, reliability
+
+Floats = NDArray[np.float64]
+
+PARTS = 5  # of the lines, by each number
+SMALLEST = 1e-3  # below it the logarithm of a number is that of this
+RIDGE = 1e-2  # holds the weights where lines are few
+ROUNDS = 30  # of Newton's method
+FORGETFUL = "lane_dp_ros.core.lanes._lane"  # makes a Lane of line, evidence, view, role
+
+
+@dataclass(frozen=True)
+class Published:
+    """A published line: its sequence, the numbers of its evidence, its confidence, whether it is right."""
+
+    sequence: str
+    evidence: Mapping[str, float]
+    confidence: float
+    right: bool
+
+
+def published_lines(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[Published]:
+    """Yield every line that is published for the pairs, each pair by itself."""
+    for pair in pairs:
+        with _evidence_kept() as kept:
+            result = pair.judged(pair.detected(config).lanes)
+        for detection in result.detections:
+            lane = detection.lane
+            yield Published(pair.sequence, kept[id(lane)], lane.confidence, not detection.wrong)
+
+
+@contextmanager
+def _evidence_kept() -> Iterator[dict[int, dict[str, float]]]:
+    """Give the evidence of each Lane that is made meanwhile, by its identity."""
+    made: list[Lane] = []  # kept alive: no other object gets its identity
+    kept: dict[int, dict[str, float]] = {}
+    make = lanes_module._lane
+
+    def make_and_keep(line: LaneLine, evidence: LaneEvidence, *rest: Any) -> Lane:
+        lane = make(line, evidence, *rest)
+        made.append(lane)
+        kept[id(lane)] = {**_numbers(evidence), "score": line.score, "length": line.length}
+        return lane
+
+    with patch(FORGETFUL, make_and_keep):
+        yield kept
+
+
+def _numbers(evidence: LaneEvidence) -> dict[str, float]:
+    return {name: float(value) for name, value in asdict(evidence).items() if np.ndim(value) == 0}
+
+
+def fit_logistic(numbers: Floats, right: Floats) -> Floats:
+    """Return w (1 + K,) so that 1 / (1 + exp(-w0 - w . log x)) is the share of right lines at x (N, K)."""
+    A = _design(numbers)
+    w = np.zeros(A.shape[1])
+    for _ in range(ROUNDS):
+        p = _sigmoid(A @ w)
+        hessian = (A * (p * (1 - p))[:, None]).T @ A + RIDGE * np.eye(len(w))
+        w += np.linalg.solve(hessian, A.T @ (right - p) - RIDGE * w)
+    return w
+
+
+def predicted(numbers: Floats, weights: Floats) -> Floats:
+    """Return the confidence (N,) that the weights give lines with these numbers (N, K)."""
+    return _sigmoid(_design(numbers) @ weights)
+
+
+def _design(numbers: Floats) -> Floats:
+    return np.column_stack([np.ones(len(numbers)), np.log(np.maximum(numbers, SMALLEST))])
+
+
+def _sigmoid(x: Floats) -> Floats:
+    return np.asarray(1 / (1 + np.exp(-np.clip(x, -30, 30))))
+
+
+def left_out(lines: Sequence[Published], names: Sequence[str]) -> Reliability:
+    """Return the reliability of the regression on each sequence by the weights of all others."""
+    numbers, right = _arrays(lines, names)
+    sequences = np.array([line.sequence for line in lines])
+    confidence = np.empty(len(lines))
+    for sequence in np.unique(sequences):
+        judged = sequences == sequence
+        weights = fit_logistic(numbers[~judged], right[~judged])
+        confidence[judged] = predicted(numbers[judged], weights)
+    return reliability(confidence, right)
+
+
+def _arrays(lines: Sequence[Published], names: Sequence[str]) -> tuple[Floats, Floats]:
+    try:
+        numbers = np.array([[line.evidence[name] for name in names] for line in lines])
+    except KeyError as error:
+        raise CommandError(
+            f"--evidence {error}: no such number, expected some of {', '.join(lines[0].evidence)}"
+        ) from None
+    return numbers, np.array([line.right for line in lines], dtype=np.float64)
+
+
+def print_parts(lines: Sequence[Published]) -> None:
+    """Print, for each number of the evidence, how many lines are right in each fifth of them."""
+    right = np.array([line.right for line in lines])
+    print(f"{len(lines)} lines, {right.sum()} right. Right of all in each fifth, by (from):")
+    for name in lines[0].evidence:
+        values = np.array([line.evidence[name] for line in lines])
+        parts = np.array_split(np.argsort(values, kind="stable"), PARTS)
+        texts = [f"{values[p[0]]:7.2f}: {right[p].sum():3d} of {len(p):3d}" for p in parts if len(p)]
+        print(f"{name:12s} {'   '.join(texts)}")
+
+
+def print_reliability(title: str, bins: Reliability) -> None:
+    """Print the bins of a confidence."""
+    used = np.flatnonzero(bins.counts)
+    texts = [f"{bins.confidence[i]:.2f}: {bins.right[i]} of {bins.counts[i]}" for i in used]
+    print(f"{title}: {', '.join(texts)}; expected calibration error {bins.error:.3f}")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Detect, count, fit, print."""
+    config = replaced(DetectorConfig(), dict(arguments.set))
+    pairs = kitti_pairs(arguments.data)
+    if arguments.suite is not None:
+        pairs += labelled_pairs(arguments.suite, arguments.suite / "truth.json")
+    lines = [
+        each for pair in progress(iter(pairs), len(pairs), "pair") for each in published_lines([pair], config)
+    ]
+    if not lines:
+        raise CommandError("no line was published: nothing to learn from")
+    print_parts(lines)
+    names = arguments.evidence.split(",")
+    numbers, right = _arrays(lines, names)
+    weights = fit_logistic(numbers, right)
+    terms = "".join(f" {w:+.3f} log({name})" for name, w in zip(names, weights[1:], strict=True))
+    print(f"\nconfidence = 1 / (1 + exp(-z)), z = {weights[0]:.3f}{terms}")
+    print_reliability("now", reliability([line.confidence for line in lines], right))
+    print_reliability("so", reliability(predicted(numbers, weights), right))
+    print_reliability("so, each sequence left out of the fit", left_out(lines, names))
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(f"{text} is no NAME=VALUE")
+    return name, yaml.safe_load(value)
+
+
+def main() -> int:
+    """Count, fit and print; 1 for a known error, in one line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, metavar="DATA")
+    parser.add_argument("suite", type=Path, nargs="?", metavar="SUITE")
+    parser.add_argument("--evidence", default="score", metavar="NAMES", help="default: score")
+    parser.add_argument("--set", type=_setting, action="append", default=[], metavar="NAME=VALUE")
+    try:
+        run(parser.parse_args())
+    except (CommandError, ValueError, OSError) as error:
+        print(one_line(error), file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
