@@ -24,6 +24,7 @@ from lane_dp_ros.core.lane_graph import build_graph
 from lane_dp_ros.core.lane_model import fit_line
 from lane_dp_ros.core.lane_selection import is_paint, select_lanes
 from lane_dp_ros.core.lanes import to_lanes
+from lane_dp_ros.core.left_alone import without_heights
 from lane_dp_ros.core.parallel_lines import parallel_lines
 from lane_dp_ros.core.path_search import find_paths
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
@@ -96,6 +97,8 @@ class LaneDetector:
         with watch("lane_selection"):
             lines, evidence = self._select(paths, view, graph, rng)
             lanes = to_lanes(lines, evidence, view)
+            if right is None:
+                lanes = without_heights(lanes, lines, evidence)
         note = "" if lanes else f"no lanes among {len(paths)} paths"
         return LaneDetection(
             lanes, disparity, road, vanishing_point, view, graph, tuple(paths), watch.seconds, note

@@ -81,6 +81,12 @@ def stereo_images_from_ros(left: Any, right: Any) -> tuple[Image8, Image8]:
     return _to_uint8(images[0], bits), _to_uint8(images[1], bits)
 
 
+def left_image_from_ros(left: Any) -> Image8:
+    """Return the picture of a left image that came alone. Raises ValueError as `stereo_images_from_ros`."""
+    image = _side("left", left)
+    return _to_uint8(image, _significant_bits(image))
+
+
 def _side(side: str, msg: Any) -> NDArray[Any]:
     try:
         return _decoded(msg) if hasattr(msg, "format") else _pixels(msg)

@@ -31,8 +31,8 @@ class FrameReport:
     """What became of one pair.
 
     `time` [s] is when it was answered; `latency` [s] from its arrival to the published lanes; `seconds` per
-    stage; `problem` one line that says what is wrong, or empty; `note` what the detector has to say; `failed`
-    when the pair gave no detection at all.
+    stage; `road_profile` where the road is from; `problem` one line that says what is wrong, or empty; `note`
+    what the detector has to say; `failed` when the pair gave no detection at all.
     """
 
     time: float
@@ -41,6 +41,7 @@ class FrameReport:
     seconds: Mapping[str, float] = field(default_factory=dict)
     camera_height: float | None = None
     pitch: float | None = None
+    road_profile: str = ""
     problem: str = ""
     note: str = ""
     failed: bool = False
@@ -54,6 +55,7 @@ class Counts:
     dropped: int
     unpaired_left: int
     unpaired_right: int
+    alone: int = 0
 
     @property
     def unpaired(self) -> int:
@@ -116,9 +118,11 @@ class Health:
         before = self._last_counts
         problems = [frame.problem for frame in news if frame.problem]
         lonely = counts.unpaired > before.unpaired
+        problem = "".join(problems[-1:])
+        silence = f"Nothing comes on {' and '.join(missing)}"
         said = {
-            f"Nothing comes on {' and '.join(missing)}": bool(missing),
-            f"A frame without a road: {''.join(problems[-1:])}": bool(problems),
+            f"{silence}: {problem}" if problem else silence: bool(missing),
+            f"Degraded stereo: {problem}": bool(problem),
             "Images come, but no pairs: do the stamps of left and right agree?": lonely
             and counts.matched == before.matched,
             "Images come faster than they can be worked on: pairs are dropped": counts.dropped
@@ -143,9 +147,11 @@ class Health:
             "pairs dropped": str(counts.dropped),
             "unpaired left images": str(counts.unpaired_left),
             "unpaired right images": str(counts.unpaired_right),
+            "left images alone": str(counts.alone),
             "frames failed": str(self._failed),
             "lanes": str(last.lanes),
             "note": last.note,
+            "road profile": last.road_profile,
             "camera height [m]": _number(last.camera_height, 2),
             "camera pitch [rad]": _number(last.pitch, 4),
             "last problem": self._last_problem,

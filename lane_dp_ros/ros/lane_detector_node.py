@@ -28,6 +28,7 @@ from rclpy.utilities import try_shutdown
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from visualization_msgs.msg import MarkerArray
 
+from lane_dp_ros.ros.camera_infos import CameraInfos
 from lane_dp_ros.ros.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.ros.dds_profile import use_dds_profile
 from lane_dp_ros.ros.diagnostics import Counts, FrameReport, Health, Level, Topics
@@ -42,8 +43,10 @@ from lane_dp_ros.tools.draw import draw_birds_eye, draw_overlay
 
 LOG_PERIOD = 5.0  # s; the same complaint is logged no more often
 REPORT_PERIOD = 1.0  # s
+RIGHT_SILENT_AFTER = 0.5  # s without a right image, then the left ones are worked on alone
 EARLY_MAX = 1.0  # s; a pair that waited longer for the first CameraInfo is stale
 PUBLISHER_DEPTH = 10
+Infos = tuple[CameraInfo, CameraInfo]
 RCLError = rclpy_implementation.RCLError
 
 
@@ -60,10 +63,13 @@ class LaneDetectorNode(Node):
             "lane_detector", automatically_declare_parameters_from_overrides=True, **node_options
         )
         self._live = LiveParameters(self, self._on_change)
-        self._sync = StereoSync(_nanoseconds(self._live.node_config.sync_tolerance))
+        self._sync = StereoSync(
+            _nanoseconds(self._live.node_config.sync_tolerance),
+            alone_after_ns=_nanoseconds(RIGHT_SILENT_AFTER),
+        )
         self._pipeline = LanePipeline()
         self._health = Health()
-        self._infos: dict[Side, CameraInfo] = {}
+        self._infos = CameraInfos()
         self._early: tuple[StereoPair, float] | None = None
         self._early_dropped = 0
         self._logged: tuple[str, float] = ("", 0.0)
@@ -132,8 +138,9 @@ class LaneDetectorNode(Node):
         self._health.heard(self._image_subscriptions[SIDES.index(side)].topic_name, now)
         stamp = msg.header.stamp
         pair = self._sync.add(side, stamp.sec * NS_PER_S + stamp.nanosec, msg)
-        if pair is not None and len(self._infos) == len(SIDES):
-            self._worker.offer((pair, now))
+        infos = self._infos.both(now)
+        if pair is not None and infos is not None:
+            self._worker.offer((pair, infos, now))
         elif pair is not None:
             # The first CameraInfo may be a moment behind the first images: the newest pair waits for it.
             self._early_dropped += self._early is not None
@@ -142,28 +149,29 @@ class LaneDetectorNode(Node):
     def _on_info(self, side: Side, msg: CameraInfo) -> None:
         now = time.monotonic()
         self._health.heard(self._info_subscriptions[SIDES.index(side)].topic_name, now)
-        self._infos[side] = msg
-        if self._early is None or len(self._infos) < len(SIDES):
+        self._infos.hear(side, msg, now)
+        infos = self._infos.both(now)
+        if self._early is None or infos is None:
             return
-        if now - self._early[1] <= EARLY_MAX:
-            self._worker.offer(self._early)
+        pair, arrived = self._early
+        if now - arrived <= EARLY_MAX:
+            self._worker.offer((pair, infos, arrived))
         else:
             self._early_dropped += 1
         self._early = None
 
-    def _work(self, item: tuple[StereoPair, float]) -> None:
+    def _work(self, item: tuple[StereoPair, Infos, float]) -> None:
         """Answer a pair; whatever goes wrong with it is reported, and the next pair is answered again."""
-        pair, arrived = item
+        pair, infos, arrived = item
         try:
-            report = self._answer(pair, arrived)
+            report = self._answer(pair, infos, arrived)
         except Exception as error:  # noqa: BLE001 - one bad frame must not end the node
             report = FrameReport(
                 time.monotonic(), time.monotonic() - arrived, problem=one_line(error), failed=True
             )
         self._health.answered(report)
 
-    def _answer(self, pair: StereoPair, arrived: float) -> FrameReport:
-        infos = (self._infos["left"], self._infos["right"])
+    def _answer(self, pair: StereoPair, infos: Infos, arrived: float) -> FrameReport:
         answer = self._pipeline.answer(pair, infos, self._live.detector_config)
         header, lifetime = pair.left.header, self._live.node_config.lane_lifetime
         self._publish(self._lanes, lanes_to_ros(answer.lanes, header, rclpy_message, lifetime))
@@ -195,6 +203,7 @@ class LaneDetectorNode(Node):
             self._worker.dropped + self._early_dropped,
             self._sync.unpaired["left"],
             self._sync.unpaired["right"],
+            self._sync.alone,
         )
         images, infos = self._image_subscriptions, self._info_subscriptions
         topics = Topics(tuple(s.topic_name for s in images), tuple(s.topic_name for s in infos))
@@ -234,6 +243,7 @@ def _frame_report(answer: Answer, now: float, latency: float) -> FrameReport:
         seconds=detection.seconds if detection else {},
         camera_height=road.camera_height if road else None,
         pitch=road.pitch if road else None,
+        road_profile=answer.road_profile,
         problem=answer.problem,
         note=detection.note if detection else "",
         failed=detection is None,

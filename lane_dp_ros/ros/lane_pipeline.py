@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two image messages and two CameraInfo in, lanes with an identity out: convert, detect, track."""
+"""Two image messages and two CameraInfo in, lanes with an identity out: convert, detect, follow over time."""
 
 from __future__ import annotations
 
@@ -11,9 +11,19 @@ from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
+from lane_dp_ros.core.left_alone import DOUBTED
+from lane_dp_ros.core.road import RoadSurface
+from lane_dp_ros.core.road_filter import RoadFilter
 from lane_dp_ros.core.tracking import LaneTracker
-from lane_dp_ros.ros.conversions import Image8, camera_from_ros, stereo_images_from_ros
+from lane_dp_ros.ros.conversions import (
+    Image8,
+    camera_from_ros,
+    left_image_from_ros,
+    stereo_images_from_ros,
+)
 from lane_dp_ros.ros.stereo_sync import StereoPair
+
+SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}
 
 
 @dataclass(frozen=True)
@@ -22,7 +32,8 @@ class Answer:
 
     `left` is the left image, uint8 gray or BGR; `problem` is one line that says what is wrong, or empty;
     `camera` and `detection` are None where the calibration or the pair could not be used. `lanes` are
-    the detection's, with their identity once they are tracked.
+    the detection's, with their identity once they are tracked. `road_profile` says where the road's surface
+    is from: measured, last or nominal.
     """
 
     left: Image8
@@ -30,50 +41,104 @@ class Answer:
     camera: StereoCamera | None = None
     detection: LaneDetection | None = None
     lanes: tuple[Lane, ...] = ()
+    road_profile: str = ""
 
 
 class LanePipeline:
-    """Answers pair after pair, and gives the lanes their identity."""
+    """Answers pair after pair, remembers the road, and gives the lanes their identity."""
 
     def __init__(self) -> None:
+        self._road = RoadFilter()
         self._tracker = LaneTracker()
+        self._known: set[int] = set()  # ids of the lines that the last measured road bore
 
     def answer(self, pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Answer:
         """Return what is found in a pair, see `detect_pair`; the pairs must come in order."""
-        return self.track(detect_pair(pair, infos, config), pair.stamp_ns)
+        return self.follow(detect_pair(pair, infos, config), pair.stamp_ns, config)
 
-    def track(self, answer: Answer, stamp_ns: int) -> Answer:
-        """Return the answer of a pair, detected wherever, with the identities of its lanes."""
-        return replace(answer, lanes=self._tracker.update(answer.lanes, stamp_ns))
+    def follow(self, answer: Answer, stamp_ns: int, config: DetectorConfig) -> Answer:
+        """Return the answer of a pair, detected wherever, in the light of those before.
+
+        Where the pair shows no road, or one that contradicts them, the lanes are those of the left image
+        alone, on the last road or the nominal one; of these, doubtful ones only where they were known before.
+        """
+        if answer.camera is not None and answer.detection is not None:
+            answer = self._on_road(answer, answer.camera, answer.detection, stamp_ns, config)
+        lanes = self._tracker.update(answer.lanes, stamp_ns)
+        if answer.road_profile == "measured":
+            self._known = {lane.id for lane in lanes}
+        else:
+            lanes = tuple(lane for lane in lanes if lane.confidence > DOUBTED or lane.id in self._known)
+        return replace(answer, lanes=lanes)
+
+    def _on_road(
+        self,
+        answer: Answer,
+        camera: StereoCamera,
+        detection: LaneDetection,
+        stamp_ns: int,
+        config: DetectorConfig,
+    ) -> Answer:
+        profile = config.road_profile
+        nominal = RoadSurface.plane(camera, profile.camera_height, profile.camera_pitch)
+        road = self._road.update(detection.road, nominal, stamp_ns)
+        if road.source == "measured":
+            return replace(answer, road_profile=road.source)
+        reason = f"the road contradicts the one before: {road.reason}" if road.reason else detection.note
+        problem = f"{reason}; the left image alone serves, with {SERVES[road.source]}"
+        again = _detected(answer.left, None, camera, config, road.surface)
+        return replace(again, problem=again.problem or problem, road_profile=road.source)
 
 
 def detect_pair(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Answer:
     """Return what is found in a pair of sensor_msgs/Image or CompressedImage, with its CameraInfo.
 
-    It depends on no pair before; the lanes have no identity yet. Raises ValueError when an image cannot be
-    read. All else that goes wrong is the answer's `problem`.
+    It depends on no pair before; the lanes have no identity yet. A left image alone shows no road, hence no
+    lanes. Raises ValueError when an image cannot be read. All else that goes wrong is the answer's `problem`.
     """
-    left, right = stereo_images_from_ros(pair.left, pair.right)
+    if pair.right is None:
+        left, right = left_image_from_ros(pair.left), None
+    else:
+        left, right = stereo_images_from_ros(pair.left, pair.right)
     try:
         camera = _camera_for(infos, left, right)
-        detection = LaneDetector(camera, config).detect(left, right)
     except Exception as error:  # noqa: BLE001 - one bad frame, whatever is wrong with it, must not end the node
+        return Answer(left, problem=one_line(error))
+    if right is None:
+        return Answer(left, camera=camera, detection=LaneDetection(note="no right image"))
+    return _detected(left, right, camera, config)
+
+
+def _detected(
+    left: Image8,
+    right: Image8 | None,
+    camera: StereoCamera,
+    config: DetectorConfig,
+    road: RoadSurface | None = None,
+) -> Answer:
+    try:
+        detection = LaneDetector(camera, config).detect(left, right, road)
+    except Exception as error:  # noqa: BLE001 - as above
         return Answer(left, problem=one_line(error))
     # Lanes may well be missing from a road; a road may not be missing from the picture.
     problem = detection.note if detection.road is None else ""
     return Answer(left, problem, camera, detection, detection.lanes)
 
 
-def _camera_for(infos: tuple[Any, Any], left: Image8, right: Image8) -> StereoCamera:
+def _camera_for(infos: tuple[Any, Any], left: Image8, right: Image8 | None) -> StereoCamera:
     """Return the camera; raise ValueError where the images' sizes contradict each other or the CameraInfo."""
-    left_size, right_size = (f"{image.shape[1]}x{image.shape[0]}" for image in (left, right))
-    if left_size != right_size:
-        raise ValueError(f"images are {left_size} left and {right_size} right, expected equal sizes")
+    left_size = _size(left)
+    if right is not None and _size(right) != left_size:
+        raise ValueError(f"images are {left_size} left and {_size(right)} right, expected equal sizes")
     camera = camera_from_ros(*infos)
     info_size = f"{infos[0].width}x{infos[0].height}"
     if left_size != info_size:
         raise ValueError(f"images are {left_size}, their CameraInfo says {info_size}, expected equal sizes")
     return camera
+
+
+def _size(image: Image8) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}"
 
 
 def one_line(error: BaseException) -> str:

@@ -12,10 +12,10 @@ NS_PER_S = 1_000_000_000
 
 
 class StereoPair(NamedTuple):
-    """Two images that belong together, and the left one's stamp."""
+    """Two images that belong together, and the left one's stamp; `right` is None for a left one alone."""
 
     left: Any
-    right: Any
+    right: Any | None
     stamp_ns: int
 
 
@@ -26,14 +26,26 @@ class StereoSync:
     paired, or for which there is no room, is dropped and counted in `unpaired`. The stamps of the pairs rise
     until a side's stamps run backwards or jump by more than `jump_ns`: then what waits on
     that side is dropped.
+
+    With `alone_after_ns`, left images are handed out alone, each as it comes, once so much time has passed
+    on their stamps without any right image; with the first right one that comes they wait for theirs again.
     """
 
-    def __init__(self, tolerance_ns: int, capacity: int = 5, jump_ns: int = NS_PER_S) -> None:
+    def __init__(
+        self,
+        tolerance_ns: int,
+        capacity: int = 5,
+        jump_ns: int = NS_PER_S,
+        alone_after_ns: int | None = None,
+    ) -> None:
         self.tolerance_ns = tolerance_ns
         self.matched = 0
+        self.alone = 0
         self.unpaired: dict[Side, int] = {"left": 0, "right": 0}
         self._capacity = capacity
         self._jump_ns = jump_ns
+        self._alone_after_ns = alone_after_ns
+        self._alone_since: int | None = None  # stamp of the first left image after the last right one
         self._waiting: dict[Side, dict[int, Any]] = {"left": {}, "right": {}}
         self._last_stamp: dict[Side, int] = {}
         self._stamps_are_equal = False
@@ -41,6 +53,10 @@ class StereoSync:
     def add(self, side: Side, stamp_ns: int, image: Any) -> StereoPair | None:
         """Take an image in; return the pair that it completes, or None."""
         self._forget_at_a_jump(side, stamp_ns)
+        if side == "right":
+            self._alone_since = None
+        elif self._alone_since is None:
+            self._alone_since = stamp_ns
         waiting = self._waiting[side]
         if stamp_ns in waiting:
             self.unpaired[side] += 1
@@ -48,6 +64,8 @@ class StereoSync:
         stamps = self._equal(stamp_ns) or self._nearest()
         if stamps is not None:
             return self._taken(*stamps)
+        if side == "left" and self._right_is_silent(stamp_ns):
+            return self._taken_alone(stamp_ns)
         if len(waiting) > self._capacity:
             self._drop(side, min(waiting))
         return None
@@ -57,6 +75,7 @@ class StereoSync:
         for side in SIDES:
             self._drop(side)
         self._last_stamp.clear()
+        self._alone_since = None
         self._stamps_are_equal = False
 
     def _forget_at_a_jump(self, side: Side, stamp_ns: int) -> None:
@@ -65,6 +84,12 @@ class StereoSync:
         if not 0 <= stamp_ns - last <= self._jump_ns:
             # Only this side: the other one may be past the jump already, its images waiting for ours.
             self._drop(side)
+            self._alone_since = None
+
+    def _right_is_silent(self, left_ns: int) -> bool:
+        if self._alone_after_ns is None or self._alone_since is None:
+            return False
+        return left_ns - self._alone_since >= self._alone_after_ns
 
     def _equal(self, stamp_ns: int) -> tuple[int, int] | None:
         left, right = self._waiting.values()
@@ -94,6 +119,13 @@ class StereoSync:
         self._stamps_are_equal = left_ns == right_ns
         self.matched += 1
         return StereoPair(left, right, left_ns)
+
+    def _taken_alone(self, left_ns: int) -> StereoPair:
+        left = self._waiting["left"].pop(left_ns)
+        for side in SIDES:
+            self._drop(side, left_ns)
+        self.alone += 1
+        return StereoPair(left, None, left_ns)
 
     def _drop(self, side: Side, until_ns: int | None = None) -> None:
         """Drop and count what waits on a side: all of it, or all up to a stamp."""

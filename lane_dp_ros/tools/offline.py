@@ -116,7 +116,7 @@ def answered(
     and paths, which would be slow to hand from one process to another.
     """
     with parallel_map(partial(_detected, config), pairs, jobs) as detected:
-        yield _tracked(detected)
+        yield _followed(detected, config)
 
 
 def _detected(config: DetectorConfig, bag_pair: BagPair) -> Answer | str:
@@ -130,13 +130,13 @@ def _detected(config: DetectorConfig, bag_pair: BagPair) -> Answer | str:
     return replace(answer, detection=replace(answer.detection, disparity=nothing, graph=None, paths=()))
 
 
-def _tracked(
-    detected: Iterable[tuple[BagPair, Answer | str]],
+def _followed(
+    detected: Iterable[tuple[BagPair, Answer | str]], config: DetectorConfig
 ) -> Iterator[tuple[BagPair, Answer | str]]:
     pipeline = LanePipeline()
     for bag_pair, answer in detected:
         if isinstance(answer, Answer):
-            answer = pipeline.track(answer, bag_pair.pair.stamp_ns)  # noqa: PLW2901
+            answer = pipeline.follow(answer, bag_pair.pair.stamp_ns, config)  # noqa: PLW2901
         yield bag_pair, answer
 
 

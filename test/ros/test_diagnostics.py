@@ -17,8 +17,8 @@ def health_that_heard(*topics, now):
     return health
 
 
-def counts(matched=0, dropped=0, left=0, right=0):
-    return Counts(matched, dropped, left, right)
+def counts(matched=0, dropped=0, left=0, right=0, alone=0):
+    return Counts(matched, dropped, left, right, alone)
 
 
 def test_before_anything_comes_all_topics_are_missing():
@@ -42,7 +42,14 @@ def test_rate_latency_and_stages_are_those_of_the_last_seconds():
     health.answered(FrameReport(1.0, latency=9.0, seconds={"disparity": 9.0}))
     for i in range(21):
         report = FrameReport(
-            18.0 + 0.1 * i, 0.04 if i < 20 else 0.08, 3, {"disparity": 0.01}, 1.65, 0.02, note="fine"
+            18.0 + 0.1 * i,
+            0.04 if i < 20 else 0.08,
+            3,
+            {"disparity": 0.01},
+            1.65,
+            0.02,
+            road_profile="measured",
+            note="fine",
         )
         health.answered(report)
     level, message, values = health.summary(20.1, counts(matched=22), TOPICS)
@@ -52,7 +59,7 @@ def test_rate_latency_and_stages_are_those_of_the_last_seconds():
     assert values["latency p95 [ms]"] == "40.0"
     assert values["stage disparity [ms]"] == "10.00"
     assert (values["camera height [m]"], values["camera pitch [rad]"]) == ("1.65", "0.0200")
-    assert (values["lanes"], values["note"]) == ("3", "fine")
+    assert (values["lanes"], values["note"], values["road profile"]) == ("3", "fine", "measured")
 
 
 def test_a_failed_frame_is_an_error_until_the_next_report():
@@ -82,4 +89,21 @@ def test_what_was_counted_since_the_last_report_is_said(before, after, message):
     assert (level, said) == (Level.WARN, message)
     assert values["pairs dropped"] == str(after.dropped)
     assert values["unpaired left images"] == str(after.unpaired_left)
+    assert values["left images alone"] == str(after.alone)
     assert health.summary(2.5, after, TOPICS)[0] is Level.OK
+
+
+def test_a_frame_on_another_road_than_its_own_is_a_warning_until_the_next_report():
+    health = health_that_heard("/l", "/r", "/li", "/ri", now=1.0)
+    health.answered(FrameReport(1.0, 0.01, lanes=2, road_profile="last", problem="no road seen"))
+    level, message, values = health.summary(1.1, counts(matched=1), TOPICS)
+    assert (level, message) == (Level.WARN, "Degraded stereo: no road seen")
+    assert values["road profile"] == "last"
+    assert health.summary(2.1, counts(matched=1), TOPICS)[0] is Level.OK
+
+
+def test_a_silent_camera_and_what_serves_instead_are_one_sentence():
+    health = health_that_heard("/l", "/li", "/ri", now=1.0)
+    health.answered(FrameReport(1.0, 0.01, lanes=2, road_profile="last", problem="no right image"))
+    _, message, _ = health.summary(1.1, counts(alone=1), TOPICS)
+    assert message == "Nothing comes on /r: no right image"

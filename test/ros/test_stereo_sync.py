@@ -97,20 +97,71 @@ def test_clear_forgets():
     assert sync.unpaired == {"left": 1, "right": 0}
 
 
+def alone(arrivals, tolerance_ms=10):
+    """As `paired`, with left images handed out alone after 500 ms without a right one."""
+    return paired(arrivals, sync=StereoSync(tolerance_ms * MS, alone_after_ns=500 * MS))
+
+
+def lefts(*range_ms):
+    return [("L", ms) for ms in range(*range_ms, 100)]
+
+
+def test_left_images_go_on_alone_when_the_right_camera_falls_silent():
+    arrivals = [("L", 0), ("R", 0), *lefts(100, 800)]
+    assert alone(arrivals) == [(0, 0), (600, None), (700, None)]
+
+
+def test_left_images_go_on_alone_when_the_right_camera_never_spoke():
+    assert alone(lefts(0, 700)) == [(500, None), (600, None)]
+
+
+def test_they_wait_for_a_camera_that_comes_back():
+    arrivals = [*lefts(0, 600), ("R", 500), ("L", 600), ("R", 600), ("L", 700), ("R", 700)]
+    assert alone(arrivals) == [(500, None), (600, 600), (700, 700)]
+
+
+def test_a_late_right_image_makes_no_second_answer_and_the_stamps_rise():
+    late = [(ms + 40, side, ms) for ms in range(0, 3000, 100) for side in "LR" if side == "L" or ms > 1500]
+    late = [(at + 50 * (side == "R"), side, ms) for at, side, ms in late]
+    found = [left for left, _ in alone([(side, ms) for _, side, ms in sorted(late)])]
+    assert found == sorted(set(found))
+
+
+def test_nothing_is_alone_while_right_images_come_whatever_their_stamps():
+    assert alone([(side, ms + 30 * (side == "R")) for ms in range(0, 2000, 100) for side in "LR"]) == []
+
+
+def test_slow_cameras_are_not_silent():
+    arrivals = [(side, 900 * i) for i in range(4) for side in "LR"]
+    assert alone(arrivals) == [(900 * i, 900 * i) for i in range(4)]
+
+
+def test_a_jump_of_time_is_no_silence():
+    assert alone([("L", 5000), ("L", 0), ("L", 100), ("R", 100)]) == [(100, 100)]
+    assert alone([("L", 0), ("L", 5000), ("L", 5400), ("L", 5500)]) == [(5500, None)]
+
+
+def test_without_being_asked_nothing_is_handed_out_alone():
+    assert paired(lefts(0, 3000)) == []
+
+
 arrivals = st.lists(st.tuples(st.sampled_from("LR"), st.integers(0, 3000)), max_size=60)
 
 
-@given(arrivals, st.integers(0, 50))
-def test_whatever_comes_the_books_balance(sequence, tolerance_ms):
-    sync = StereoSync(tolerance_ms * MS, capacity=3)
+@given(arrivals, st.integers(0, 50), st.sampled_from([None, 500 * MS]))
+def test_whatever_comes_the_books_balance(sequence, tolerance_ms, alone_after_ns):
+    sync = StereoSync(tolerance_ms * MS, capacity=3, alone_after_ns=alone_after_ns)
     pairs = paired(sequence, sync=sync)
-    assert all(abs(a - b) <= tolerance_ms for a, b in pairs)
-    assert sync.matched == len(pairs)
-    for letter, side in (("L", "left"), ("R", "right")):
-        waiting = sum(name == letter for name, _ in sequence) - sync.matched - sync.unpaired[side]
+    assert all(b is None or abs(a - b) <= tolerance_ms for a, b in pairs)
+    assert sync.matched + sync.alone == len(pairs)
+    for letter, side, handed_out in (
+        ("L", "left", sync.matched + sync.alone),
+        ("R", "right", sync.matched),
+    ):
+        waiting = sum(name == letter for name, _ in sequence) - handed_out - sync.unpaired[side]
         assert 0 <= waiting <= 3
     sync.clear()
-    assert 2 * sync.matched + sum(sync.unpaired.values()) == len(sequence)
+    assert 2 * sync.matched + sync.alone + sum(sync.unpaired.values()) == len(sequence)
 
 
 @given(st.data(), st.integers(0, 49))

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the left picture alone says: without heights, kerbs, guard rails and cars look like paint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from lane_dp_ros.core.data import LaneEvidence, LaneLine
+from lane_dp_ros.core.lane import Lane
+
+# What paint hardly ever lacks, and what takes its place often does.
+PAINT_WIDTH = (0.1, 0.28)  # m; broader are kerb stones, narrower the edges of things
+BREADTH_MIN = 0.1  # a band of 0.45 m is brighter than both sides; a kerb's edge has one side as bright
+ROUGHNESS_MAX = 0.1  # beside the line is asphalt; more is grass, noise or a crowd
+START_MAX = 12.0  # m; what begins farther off stands on the road
+SCORE_MIN = 6.0  # net metres of paint
+BESIDE = (0.75, 2.4)  # m; so far outside another line runs a kerb or a rail, no lane ends there
+
+DOUBTED = 0.5  # confidence; half of what lacks one of these is paint
+
+
+def without_heights(
+    lanes: Sequence[Lane], lines: Sequence[LaneLine], evidence: Sequence[LaneEvidence]
+) -> tuple[Lane, ...]:
+    """Return the lanes of lines, those with at most `DOUBTED` confidence that may well be something else.
+
+    `lanes` are sorted from left to right, `lines` and their `evidence` are not.
+    """
+    ordered = sorted(zip(lines, evidence, strict=True), key=lambda pair: float(pair[0].n[0]))
+    starts = [float(line.n[0]) for line, _ in ordered]
+    return tuple(
+        lane if _looks_like_paint(*pair, starts) else replace(lane, confidence=min(lane.confidence, DOUBTED))
+        for lane, pair in zip(lanes, ordered, strict=True)
+    )
+
+
+def _looks_like_paint(line: LaneLine, evidence: LaneEvidence, starts: Sequence[float]) -> bool:
+    aside = float(line.n[0])
+    inner = [abs(aside - n) for n in starts if n * aside > 0 and abs(n) < abs(aside)]
+    return (
+        PAINT_WIDTH[0] <= evidence.paint_width <= PAINT_WIDTH[1]
+        and evidence.breadth >= BREADTH_MIN
+        and evidence.roughness <= ROUGHNESS_MAX
+        and line.s[0] <= START_MAX
+        and line.score >= SCORE_MIN
+        and not any(BESIDE[0] < gap < BESIDE[1] for gap in inner)
+    )

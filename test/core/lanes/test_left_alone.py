@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the left picture alone may be trusted with: paint, but not what merely looks like it."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from lane_dp_ros.core.data import LaneEvidence, LaneLine
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lane_detector import LaneDetector
+from lane_dp_ros.core.left_alone import DOUBTED, without_heights
+from lane_dp_ros.core.road import RoadSurface
+from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road, render_pair
+from lane_dp_ros.tools.scenes.road import SOLID, UNPAINTED
+
+PAINT = LaneEvidence(
+    paint_width=0.15, breadth=0.4, height=0.0, slope=0.01, roughness=0.03, brightness=0.6, run=20.0
+)
+
+
+def line(n=1.5, score=15.0, start=6.0):
+    s = np.arange(start, 30.0, 0.25)
+    return LaneLine(np.arange(len(s)), s, np.full(len(s), n), 0.0, score)
+
+
+def judged(lines, evidence):
+    """Return the confidences, in the order of the lines; each is 0.9 before."""
+    order = np.argsort([each.n[0] for each in lines])
+    lanes = [Lane(np.zeros((2, 3)), 0.9, 0.15, "other", 0.0, float(lines[i].n[0])) for i in order]
+    found = without_heights(lanes, lines, evidence)
+    return [found[list(order).index(i)].confidence for i in range(len(lines))]
+
+
+def test_paint_is_not_doubted():
+    assert judged([line(1.5), line(-1.8)], [PAINT, PAINT]) == [0.9, 0.9]
+
+
+@pytest.mark.parametrize(
+    "unlike",
+    [{"paint_width": 0.08}, {"paint_width": 0.3}, {"breadth": 0.0}, {"roughness": 0.12}],
+    ids=str,
+)
+def test_what_is_unlike_paint_is_doubted(unlike):
+    assert judged([line(1.5), line(-1.8)], [replace(PAINT, **unlike), PAINT]) == [DOUBTED, 0.9]
+
+
+@pytest.mark.parametrize("given", [{"score": 5.0}, {"start": 13.0}], ids=str)
+def test_little_paint_and_paint_far_off_are_doubted(given):
+    assert judged([line(-1.8), line(1.5, **given)], [PAINT, PAINT]) == [0.9, DOUBTED]
+
+
+@pytest.mark.parametrize(("n", "confidence"), [(3.1, DOUBTED), (5.0, 0.9), (1.9, 0.9)])
+def test_a_rail_beside_the_border_line_is_doubted_but_the_next_lane_and_a_double_line_are_not(n, confidence):
+    assert judged([line(n), line(1.4), line(-1.8)], [PAINT] * 3) == [confidence, 0.9, 0.9]
+
+
+def test_what_is_doubted_already_is_not_lifted():
+    lane = Lane(np.zeros((2, 3)), 0.2, 0.15, "other", 0.0, 1.5)
+    (found,) = without_heights([lane], [line(1.5)], [replace(PAINT, breadth=-1.0)])
+    assert found.confidence == 0.2
+
+
+def sure(image, road):
+    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    found = LaneDetector(CAMERA).detect(image, None, surface).lanes
+    return [lane for lane in found if lane.confidence > DOUBTED]
+
+
+def test_lines_of_a_rendered_road_are_sure_and_kerbs_are_not():
+    painted = Road(swing=0, lane_widths=(3.5,), lines=(SOLID, SOLID), driven=0)
+    assert len(sure(render_pair(painted, 10.0, 3).left, painted)) == 2
+    bare = Road(swing=0, lines=(UNPAINTED,) * 3)
+    assert sure(render_pair(bare, 10.0, 5).left, bare) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("sigma", [0, 2])
+def test_nothing_in_noise_is_sure(seed, sigma):
+    noise = np.random.default_rng(seed).integers(0, 256, (SIZE[1], SIZE[0]), np.uint8)
+    image = cv2.GaussianBlur(noise, (0, 0), sigma) if sigma else noise
+    assert sure(image, Road()) == []
