@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from html import escape
 
 WIDTH, HEIGHT = 380, 256
-LEFT, RIGHT, TOP, BOTTOM = 52, 12, 26, 46  # of the frame
+LEFT, RIGHT, TOP, BOTTOM = 60, 12, 26, 46  # of the frame
 
 
 @dataclass(frozen=True)

@@ -78,8 +78,19 @@ def is_papers(reason: str) -> bool:
 
 
 def worst_first(results: Iterable[FrameResult]) -> list[FrameResult]:
-    """Return the frames, those with the gravest failures first, among equals that with the largest error."""
-    return sorted(results, key=_badness, reverse=True)
+    """Return the frames, those with the gravest failures first, among equals that with the largest error.
+
+    The frames of a sequence look alike: the worst of each comes before the second worst of any, as far as
+    they fail.
+    """
+    order = sorted(results, key=_badness, reverse=True)
+    before: Counter[str] = Counter()
+    turns = {}
+    for result in order:
+        sequence = result.name if result.stamp_ns is None else result.sequence
+        turns[result.name] = before[sequence]
+        before[sequence] += 1
+    return sorted(order, key=lambda result: turns[result.name] if failures(result) else len(order))
 
 
 def counts_by_reason(results: Sequence[FrameResult]) -> dict[str, Counter[Kind]]:

@@ -11,7 +11,7 @@ from html import escape
 import numpy as np
 
 from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.reliability import confidences, reliability
+from lane_dp_ros.tools.reliability import CONFIDENCE_BINS, confidences, reliability
 from lane_dp_ros.tools.report.chart import Axis, Chart
 from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
 from lane_dp_ros.tools.report.tables import number
@@ -51,7 +51,7 @@ def _reliability_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
     chart.line((0, 1), (0, 1), "ideal")
     for i in np.flatnonzero(bins.counts):
         chart.whisker(bins.confidence[i], bins.low[i], bins.high[i], "whisker")
-        chart.text(bins.confidence[i], 1.0, f"{bins.counts[i]}", lift=8)
+        chart.text(float(CONFIDENCE_BINS[i : i + 2].mean()), 1.0, f"{bins.counts[i]}", lift=8)
     chart.line(bins.confidence, bins.share, "series one")
     for x, y in zip(bins.confidence, bins.share, strict=True):
         chart.dot(x, y, "point one")

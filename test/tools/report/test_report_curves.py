@@ -4,6 +4,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -106,6 +107,15 @@ def test_the_worst_frames_come_first(results):
     # A missed line beside the vehicle and another; a false one and a duplicate, equal but for the error.
     names = [result.name for result in worst_first(results)]
     assert names == ["drive/<b>&", "drive/blind", "drive/plain", "drive/fine"]
+
+
+def test_the_worst_frame_of_each_sequence_comes_before_the_second_of_any(results):
+    drive = [replace(result, sequence="other") for result in results]
+    twice = [*results, *(replace(result, name=f"other/{result.name}") for result in drive)]
+    sequences = [result.sequence for result in worst_first(twice)]
+    assert sequences == ["drive", "other"] * 3 + ["drive", "other"]
+    loose = [replace(result, stamp_ns=None) for result in results]  # single frames are no sequence
+    assert worst_first(loose)[1].name == "drive/blind"
 
 
 def test_a_line_is_broken_where_there_is_no_value():
