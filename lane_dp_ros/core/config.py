@@ -221,6 +221,16 @@ class LaneSelectionConfig(Parameters):
 
 
 @dataclass(frozen=True)
+class TrackingConfig(Parameters):
+    """Lines over time."""
+
+    enabled: bool = parameter(True, "Smooth lines over time and bridge short losses; else give ids only.")
+    bridge_time: float = parameter(
+        0.5, "How long a lost line is published where it must be by now.", unit="s", limits=(0.0, 0.5)
+    )
+
+
+@dataclass(frozen=True)
 class DetectorConfig(Parameters):
     """All stages of the lane pipeline."""
 
@@ -232,6 +242,7 @@ class DetectorConfig(Parameters):
     path_search: PathSearchConfig = field(default_factory=PathSearchConfig)
     lane_model: LaneModelConfig = field(default_factory=LaneModelConfig)
     lane_selection: LaneSelectionConfig = field(default_factory=LaneSelectionConfig)
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
     seed: int = parameter(0, "Seed of the random samples: same frame, same lanes.", limits=(0, 2**31 - 1))
 
 
@@ -251,6 +262,7 @@ PAPER: dict[str, Value] = {
     "lane_model.residual_threshold": 5**0.5 * 0.05,  # t_r = 5 px^2 at 20 px/m
     "lane_selection.evidence": False,
     "lane_selection.second_look": False,
+    "tracking.enabled": False,
 }
 
 

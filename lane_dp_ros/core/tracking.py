@@ -1,72 +1,134 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The identity of lanes over time: the same painted line keeps its id."""
+"""Lanes over time: the same painted line keeps its id, runs smoothly, and outlasts a short loss."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from lane_dp_ros.core.config import TrackingConfig
 from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lanes import ego_roles
+from lane_dp_ros.core.line_course import Course
+from lane_dp_ros.core.line_memory import KnownLine, LineMemory, Sighting
+from lane_dp_ros.core.road import RoadAxis
 
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
-SAME_LINE = 0.5  # m; from one frame to the next a line moves aside by less
-SHARED = 3.0  # m of depth that two lines must share to be compared there
-SAMPLES = 10  # over the shared depth
+SEEN_OFTEN = 5  # frames; what only looks like a line is mostly seen in fewer
+ASTRAY = 0.15  # rad; no line runs off the road's direction by more
+NEW_BESIDE = 1.0  # m; a line that appears nearer to a lost one takes its place
+TOUCHING = 0.2  # m; nearer, lines that were seen side by side have merged
+FARTHEST = 1000.0  # m
+DOUBT = 1.0  # 1/s; by so much of it a lost line's confidence falls
 
 
 class LaneTracker:
-    """Gives lanes the id of the line they were in the frames before, by their distance.
+    """Follows lanes from frame to frame.
 
-    It answers from the first frame on. A line that is not seen keeps its id for a second.
+    It answers from the first frame on, which it leaves as it is. Lines that are seen again are smoothed; one
+    that was seen often and is lost is published where it must be by now, for `bridge_time`, if nothing
+    contradicts; a line that comes back within a second keeps its id. Unless `enabled`, lines get ids only.
     """
 
-    def __init__(self) -> None:
-        self._lines: dict[int, tuple[int, Lane]] = {}  # id -> stamp [ns] and place when last seen
+    def __init__(self, config: TrackingConfig | None = None) -> None:
+        self.config = config or TrackingConfig()
+        self._memory = LineMemory()
         self._stamp_ns: int | None = None
         self._next_id = 0
 
     def update(self, lanes: Sequence[Lane], stamp_ns: int) -> tuple[Lane, ...]:
-        """Return the lanes of the frame of `stamp_ns` with their ids, in the order given."""
-        if self._stamp_ns is not None and not 0 <= stamp_ns - self._stamp_ns <= MEMORY_NS:
-            self._lines.clear()
+        """Return what is to be published for the frame of `stamp_ns`, in the left optical frame.
+
+        First the lanes given, in their order, then those bridged; all with their ids. A lane without points,
+        or with numbers that are none or beyond every road, is dropped.
+        """
+        lanes = [lane for lane in lanes if _is_usable(lane)]
+        self._advance(lanes, stamp_ns)
+        found = self._identified(lanes, stamp_ns)
+        self._memory.observe(found)
+        published = tuple(self._remember(identity, seen, stamp_ns) for identity, seen in found.items())
+        others = [self._memory.lines[identity] for identity in found]
+        lost = [line for line in self._lost(found, stamp_ns) if _stands(line, others)]
+        bridged = tuple(_bridged(line, self._memory.axis, stamp_ns) for line in lost)
+        return _with_roles(published + bridged) if bridged else published
+
+    def _advance(self, lanes: Sequence[Lane], stamp_ns: int) -> None:
+        """Move what is known on to this frame's time; begin anew when nothing is known or time jumps."""
+        elapsed = 0 if self._stamp_ns is None else stamp_ns - self._stamp_ns
         self._stamp_ns = stamp_ns
-        self._lines = {i: line for i, line in self._lines.items() if stamp_ns - line[0] <= MEMORY_NS}
-        ids = self._matched(lanes)
-        for i, lane in enumerate(lanes):
-            if i not in ids:
-                ids[i] = self._next_id
+        self._memory.forget(stamp_ns - MEMORY_NS)
+        if self._memory.lines and 0 <= elapsed <= MEMORY_NS:
+            self._memory.advance(elapsed / 1e9)
+        else:
+            self._memory = LineMemory(lanes)
+
+    def _identified(self, lanes: Sequence[Lane], stamp_ns: int) -> dict[int, Sighting]:
+        """Return the lanes by id, without new ones that contradict lines that are lost."""
+        axis = self._memory.axis
+        sightings = [Sighting(lane, Course.of(lane.points, axis)) for lane in lanes]
+        ids = self._memory.match(sightings)
+        lost = self._lost(set(ids.values()), stamp_ns)
+        found = {}
+        for i, seen in enumerate(sightings):
+            if i in ids:
+                found[ids[i]] = seen
+            elif not lost or seen.course.strays(axis) <= ASTRAY:
+                found[self._next_id] = seen
                 self._next_id += 1
-            self._lines[ids[i]] = (stamp_ns, lane)
-        return tuple(replace(lane, id=ids[i]) for i, lane in enumerate(lanes))
+        return found
 
-    def _matched(self, lanes: Sequence[Lane]) -> dict[int, int]:
-        """Return lane index -> id, the nearest pairs first, each line and lane once."""
-        pairs = sorted(
-            (distance, i, identity)
-            for i, lane in enumerate(lanes)
-            for identity, (_, known) in self._lines.items()
-            if (distance := lateral_distance(lane, known)) <= SAME_LINE
-        )
-        matched: dict[int, int] = {}
-        for _, i, identity in pairs:
-            if i not in matched and identity not in matched.values():
-                matched[i] = identity
-        return matched
+    def _lost(self, seen: Collection[int], stamp_ns: int) -> list[KnownLine]:
+        """Return the lines to bridge: established, not seen now, but a moment ago."""
+        limit_ns = self.config.bridge_time * 1e9 if self.config.enabled else -1
+        return [
+            line
+            for identity, line in self._memory.lines.items()
+            if identity not in seen and line.times_seen >= SEEN_OFTEN and stamp_ns - line.seen_ns <= limit_ns
+        ]
+
+    def _remember(self, identity: int, seen: Sighting, stamp_ns: int) -> Lane:
+        """Return what is published of a line that is seen, and keep it in mind."""
+        line = self._memory.lines.get(identity)
+        lane = replace(seen.lane, id=identity)
+        if line is None:
+            offset = lane.lateral_offset
+            self._memory.lines[identity] = KnownLine(lane, seen.course, offset, stamp_ns, stamp_ns)
+            return lane
+        course = seen.course
+        if self.config.enabled:
+            course = course.onto(line.course)
+            lane = replace(lane, points=course.points(self._memory.axis))
+        line.lane, line.course, line.offset = lane, course, lane.lateral_offset
+        line.seen_ns, line.times_seen = stamp_ns, line.times_seen + 1
+        return lane
 
 
-def lateral_distance(a: Lane, b: Lane) -> float:
-    """Return how far [m] two lines lie apart: beside the vehicle or over the depths they share, the less.
+def _is_usable(lane: Lane) -> bool:
+    numbers = np.append(lane.points, lane.lateral_offset)
+    return len(numbers) > 1 and bool(np.all(np.abs(numbers) < FARTHEST))
 
-    The offset beside the vehicle does not change as the vehicle turns; but for a line that is seen from
-    20 m on it is a guess, and where both lines were seen says more.
-    """
-    beside = abs(a.lateral_offset - b.lateral_offset)
-    first, last = (limit(a.extent[i], b.extent[i]) for i, limit in enumerate((max, min)))
-    if last - first < SHARED:
-        return beside
-    depth = np.linspace(first, last, SAMPLES)
-    x_a, x_b = (np.interp(depth, lane.points[:, 2], lane.points[:, 0]) for lane in (a, b))
-    return min(beside, float(np.median(np.abs(x_a - x_b))))
+
+def _stands(line: KnownLine, found: Iterable[KnownLine]) -> bool:
+    """Whether nothing that is seen contradicts a lost line: nothing new beside it, nothing across it."""
+    for other in found:
+        aside = line.course.aside(other.course)
+        near = TOUCHING if other.born_ns <= line.seen_ns else NEW_BESIDE
+        if len(aside) and (np.min(np.abs(aside)) < near or np.ptp(np.sign(aside)) > 0):
+            return False
+    return True
+
+
+def _bridged(line: KnownLine, axis: RoadAxis, stamp_ns: int) -> Lane:
+    """Return a lost line where it must be by now, with less confidence."""
+    age = (stamp_ns - line.seen_ns) / 1e9
+    confidence = line.lane.confidence * (1 - DOUBT * age)
+    points = line.course.points(axis)
+    return replace(line.lane, points=points, confidence=confidence, lateral_offset=line.offset)
+
+
+def _with_roles(lanes: Sequence[Lane]) -> tuple[Lane, ...]:
+    roles = ego_roles([lane.lateral_offset for lane in lanes])
+    return tuple(replace(lane, role=role) for lane, role in zip(lanes, roles, strict=True))

@@ -64,6 +64,7 @@ class LanePipeline:
         """
         if answer.camera is not None and answer.detection is not None:
             answer = self._on_road(answer, answer.camera, answer.detection, stamp_ns, config)
+        self._tracker.config = config.tracking
         lanes = self._tracker.update(answer.lanes, stamp_ns)
         if answer.road_profile == "measured":
             self._known = {lane.id for lane in lanes}

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from lane_dp_ros.core.config import PRESETS
 from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.config import TrackingConfig
 from lane_dp_ros.core.tracking import LaneTracker
 from lane_dp_ros.tools.convert import progress
 from lane_dp_ros.tools.detectors import Detector, file_detector, preset_detector
@@ -86,12 +87,13 @@ def _data(path: Path) -> Data:
 def judge_data(data: Data, detectors: Sequence[Detector], jobs: int) -> list[list[FrameResult]]:
     """Return, for each detector, how each frame of the data was judged; shows a progress bar.
 
-    The lanes of every detector get their identity from the same tracker, along frames that have stamps.
+    The lanes of every detector get their identity from the same tracker, along frames that have stamps; it
+    leaves them where they are.
     """
     if data.truth is None:
         return [[] for _ in detectors]
     count, pairs = load_pairs(data.path, data.truth)
-    trackers = [LaneTracker() for _ in detectors]
+    trackers = [LaneTracker(TrackingConfig(enabled=False)) for _ in detectors]
     results: list[list[FrameResult]] = [[] for _ in detectors]
     with parallel_map(partial(_detect, tuple(detectors)), pairs, jobs) as detected:
         for pair, answers in progress(detected, count, "pair"):

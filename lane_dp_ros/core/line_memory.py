@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The lines seen in the last second, each where it is now, whether it is seen or not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.line_course import Course, common_axis, first_axis, lateral_distance, surface_change
+from lane_dp_ros.core.line_filter import LineFilter
+from lane_dp_ros.core.line_matching import match_in_order
+
+COMPARED = 3.0  # m; lines that lie farther apart on the whole are not the same
+SAME_LINE = 0.5  # m; from one frame to the next a line leaves its prediction by less
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A lane of this frame, and its course."""
+
+    lane: Lane
+    course: Course
+
+
+@dataclass
+class KnownLine:
+    """A painted line: as it was last published, but `course` and `offset` [m] as of this frame."""
+
+    lane: Lane
+    course: Course
+    offset: float
+    born_ns: int
+    seen_ns: int
+    times_seen: int = 1
+
+
+class LineMemory:
+    """Known lines by id. All of them move with the vehicle as the filter has it, frame by frame."""
+
+    def __init__(self, lanes: Sequence[Lane] = ()) -> None:
+        """Begin with the frame of these lanes, which are not known yet."""
+        self.lines: dict[int, KnownLine] = {}
+        self.axis = first_axis([lane.points for lane in lanes])
+        self._filter = LineFilter()
+
+    def advance(self, seconds: float) -> None:
+        """Move everything on in time, and straighten it by the axis of that time."""
+        shapes = {i: line.course.shape(self.axis) for i, line in self.lines.items()}
+        self._filter.predict(seconds, shapes, self.axis.curvature)
+        self._move()
+        axis = common_axis([line.course for line in self.lines.values()])
+        for line in self.lines.values():
+            line.course = Course.of(line.course.points(self.axis), axis)
+        self.axis = axis
+
+    def forget(self, seen_before_ns: int) -> None:
+        """Forget the lines that were last seen before that time."""
+        for identity in [i for i, line in self.lines.items() if line.seen_ns < seen_before_ns]:
+            del self.lines[identity]
+            self._filter.forget(identity)
+
+    def match(self, sightings: Sequence[Sighting]) -> dict[int, int]:
+        """Return index of sighting -> id for the known lines among them."""
+        known = sorted((line.course.place(self.axis), i) for i, line in self.lines.items())
+        new = sorted((seen.course.place(self.axis), i) for i, seen in enumerate(sightings))
+        distances = np.full((len(known), len(new)), np.inf)
+        for row, column in np.ndindex(distances.shape):
+            if abs(known[row][0] - new[column][0]) <= COMPARED:
+                distances[row, column] = self._distance(known[row][1], sightings[new[column][1]])
+        return {new[column][1]: known[row][1] for row, column in match_in_order(distances, SAME_LINE)}
+
+    def observe(self, found: Mapping[int, Sighting]) -> None:
+        """Take in the lines that are seen; the others move along."""
+        known = {i: (self.lines[i].course, seen.course) for i, seen in found.items() if i in self.lines}
+        begun = found.keys() - known.keys()
+        for identity, (course, seen) in known.items():
+            part = seen.within(course)
+            if part is None:
+                begun.add(identity)
+            else:
+                aside = part.y - np.interp(part.s, course.s, course.y)
+                self._filter.observe(identity, part.s, aside, part.sigma())
+        self._move()
+        for identity in begun:
+            self._filter.begin(identity)
+        surface = surface_change(known.values())
+        for identity in self.lines.keys() - found.keys():
+            self.lines[identity].course = self.lines[identity].course.lowered(surface)
+
+    def _distance(self, identity: int, seen: Sighting) -> float:
+        line = self.lines[identity]
+        beside = abs(line.offset - seen.lane.lateral_offset)
+        return min(beside, lateral_distance(line.course, seen.course))
+
+    def _move(self) -> None:
+        for identity, move in self._filter.take_moves().items():
+            line = self.lines[identity]
+            line.course = line.course.moved(move)
+            line.offset += float(move[0])
