@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.core.config import PRESETS, TrackingConfig
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.config import TrackingConfig
 from lane_dp_ros.core.tracking import LaneTracker
 from lane_dp_ros.tools.convert import progress
 from lane_dp_ros.tools.detectors import Detector, file_detector, preset_detector
