@@ -52,7 +52,7 @@ SEARCHED: dict[str, Sequence[float]] = {
     "lane_graph.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),
     "lane_graph.contrast_max": (1.8, 2.4, 3.0, 3.6, 4.2),
 }
-ROUNDS = 2  # through all of them
+ROUNDS = 2  # through all of them, at most
 AS_GOOD = 0.001  # of the objective
 STEREO_DRIVES = (  # first and last number of the frames; no mapping to raw drives comes with them
     ("7-13 (junctions)", 7, 13),
@@ -102,15 +102,22 @@ class Search:
         return {name: summarise(r for r in results if self.drives[r.name] == name) for name in names}
 
     def best(self, drives: Iterable[str]) -> Values:
-        """Return the thresholds that suit these drives best: one at a time, twice through all."""
+        """Return the thresholds that suit these drives best: one at a time, through all, until none moves."""
         chosen = list(drives)
-        values = middle()
+        values, still = middle(), 0
         for i in [*range(len(values))] * ROUNDS:
-            tried = [(*values[:i], value, *values[i + 1 :]) for value in list(SEARCHED.values())[i]]
-            quality = [objective([self.scored(each)[drive] for drive in chosen]) for each in tried]
-            good = [each for each, q in zip(tried, quality, strict=True) if q >= max(quality) - AS_GOOD]
-            values = good[len(good) // 2]
+            before, values = values, self._best_along(i, values, chosen)
+            still = still + 1 if values == before else 0
+            if still == len(values):
+                break
         return values
+
+    def _best_along(self, i: int, values: Values, drives: Sequence[str]) -> Values:
+        """Return the thresholds with the best of the values of number i, of equally good ones the middle."""
+        tried = [(*values[:i], value, *values[i + 1 :]) for value in list(SEARCHED.values())[i]]
+        quality = [objective([self.scored(each)[drive] for drive in drives]) for each in tried]
+        good = [each for each, q in zip(tried, quality, strict=True) if q >= max(quality) - AS_GOOD]
+        return good[len(good) // 2]
 
 
 def middle() -> Values:

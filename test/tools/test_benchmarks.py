@@ -1,0 +1,190 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The benchmarks that judge: they name parameters and functions that exist, and choose and count rightly."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from unittest.mock import patch
+
+import cv2
+import numpy as np
+import pytest
+
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.parameter import parameters, replaced
+from lane_dp_ros.tools.evaluation import Summary
+from lane_dp_ros.tools.scenes.scene import CAMERA, Motion, Scene, render_frame
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
+
+import ablation
+import calibrate_confidence
+import judged_set
+import leave_a_drive_out
+
+GOOD = Summary(frames=10, ego_labels=20, missed=1, labels=40, matched=38, detections=39, false_lanes=1)
+BARE = Summary(frames=10)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    """Two consecutive frames of an ordinary road."""
+    frames = [render_frame(Scene(motion=Motion(start=100.0)), i, 1) for i in range(2)]
+    return [
+        judged_set.JudgedPair(
+            f"road/{i:02d}",
+            "road",
+            *(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (frame.left, frame.right)),
+            CAMERA,
+            frame.truth,
+            frame.stamp_ns,
+        )
+        for i, frame in enumerate(frames)
+    ]
+
+
+def test_every_change_of_the_ablation_is_possible():
+    ablation.check(ablation.ABLATIONS)
+
+
+@pytest.mark.parametrize(
+    ("change", "error"),
+    [
+        (ablation.Ablation("a", {"lane_graph.colour": 1}), ValueError),
+        (ablation.Ablation("a", {"path_search.suppression": 100.0}), ValueError),
+        (ablation.Ablation("a", patches={"lane_dp_ros.core.lane_graph.COLOUR": 1}), AttributeError),
+        (ablation.Ablation("a", patches={"lane_dp_ros.core.gone.COLOUR": 1}), (AttributeError, ImportError)),
+    ],
+)
+def test_what_is_gone_is_said_at_the_start(change, error):
+    with pytest.raises(error, match=r"colour|COLOUR|suppression|gone"):
+        ablation.check([change])
+
+
+def test_a_row_has_a_cell_under_each_head(pairs):
+    results = [pair.judged(pair.detected(DetectorConfig()).lanes) for pair in pairs]
+    row = ablation.row(ablation.ABLATIONS[0], results, frozenset())
+    assert ablation.heads().split("\n")[0].count("|") == row.count("|")
+    assert row.startswith("| none | - |") and "1.000" in row
+
+
+def test_processes_answer_as_the_detector_does_with_names_replaced_or_not(pairs):
+    blind = {"lane_dp_ros.core.path_search.FREE_PASSES": 0}
+    with judged_set.Judges(pairs, jobs=2) as judges:
+        seen, nothing = judges.results(DetectorConfig()), judges.results(DetectorConfig(), blind)
+        again = judges.results(DetectorConfig())
+    assert [result.name for result in seen] == ["road/00", "road/01"]
+    assert [len(result.detections) for result in seen] == [3, 3] == [len(r.detections) for r in again]
+    assert {d.lane.id for d in seen[0].detections} == {d.lane.id for d in seen[1].detections}  # tracked
+    assert [len(result.detections) for result in nothing] == [0, 0]
+
+
+def test_what_is_remembered_changes_no_verdict(pairs):
+    memory = judged_set.Memory()
+    strict = replaced(DetectorConfig(), {"lane_selection.run_min": 19.0})
+    for config in (DetectorConfig(), strict, DetectorConfig()):
+        with memory.in_use():
+            remembered = pairs[0].detected(config).lanes
+        fresh = pairs[0].detected(config).lanes
+        assert len(remembered) == len(fresh)
+        for one, other in zip(remembered, fresh, strict=True):
+            np.testing.assert_array_equal(one.points, other.points)
+
+
+def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
+    memory = judged_set.Memory()
+    calls = []
+    real = judged_set.lane_detector.dense_disparity
+
+    def dense_disparity(*arguments):
+        calls.append(arguments)
+        return real(*arguments)
+
+    dense_disparity.__module__ = real.__module__
+    with patch("lane_dp_ros.core.lane_detector.dense_disparity", dense_disparity):
+        for value in (1.0, 2.0):
+            with memory.in_use():
+                pairs[0].detected(replaced(DetectorConfig(), {"lane_selection.run_min": value}))
+        assert len(calls) == 1
+        with memory.in_use():
+            pairs[0].detected(replaced(DetectorConfig(), {"disparity.P1": 500}))
+        assert len(calls) == 2
+
+
+def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
+    config = parameters(leave_a_drive_out.config_of(leave_a_drive_out.middle()))
+    for name, grid in leave_a_drive_out.SEARCHED.items():
+        assert list(grid) == sorted(set(grid)) and len(grid) % 2 == 1, name
+        assert config[name].default == grid[len(grid) // 2]
+        for value in grid:
+            config[name].checked(value)
+
+
+def test_the_objective_falls_with_every_kind_of_error():
+    best = leave_a_drive_out.objective([GOOD, BARE])
+    assert best == pytest.approx(3 / (20 / 19 + 40 / 38 + 39 / 38))
+    for worse in (
+        replace(GOOD, missed=2),
+        replace(GOOD, matched=37),
+        replace(GOOD, false_lanes=2),
+        replace(GOOD, matched=0, missed=20, detections=0, false_lanes=0),
+    ):
+        assert leave_a_drive_out.objective([worse, BARE]) < best
+    bare = replace(BARE, detections=1, false_lanes=1)
+    assert leave_a_drive_out.objective([GOOD, bare]) < 0.91 * best
+
+
+def test_the_search_takes_the_middle_of_what_is_best_on_the_other_drives():
+    search = leave_a_drive_out.Search(None, {"a": "one", "b": "two"})
+    start = leave_a_drive_out.middle()
+    grid = leave_a_drive_out.SEARCHED[next(iter(leave_a_drive_out.SEARCHED))]
+    missed = {"one": (5, 5, 5, 5, 0), "two": (3, 0, 0, 0, 3)}
+    for i, value in enumerate(grid):
+        scores = {drive: replace(GOOD, missed=counts[i]) for drive, counts in missed.items()}
+        search.scores[(value, *start[1:])] = scores
+    assert search._best_along(0, start, ["two"])[0] == grid[2]
+    assert search._best_along(0, start, ["one"])[0] == grid[4]
+
+
+@pytest.mark.parametrize(
+    ("name", "drive"),
+    [
+        ("kitti_stereo_2015/000072_10", "stereo 2015, 72-81 (multi-lane)"),
+        ("kitti_stereo_2015/000081_10", "stereo 2015, 72-81 (multi-lane)"),
+        ("kitti_stereo_2015/000089_10", "stereo 2015, 89"),
+    ],
+)
+def test_neighbours_are_of_one_drive(pairs, name, drive):
+    pair = replace(pairs[0], name=name, sequence="kitti_stereo_2015")
+    assert leave_a_drive_out.drive_of(pair) == drive
+
+
+def test_a_frame_of_no_known_drive_is_refused(pairs):
+    pair = replace(pairs[0], name="kitti_stereo_2015/000199_10", sequence="kitti_stereo_2015")
+    with pytest.raises(Exception, match="000199_10 is of none of the known drives"):
+        leave_a_drive_out.drive_of(pair)
+
+
+def test_every_published_line_comes_with_its_evidence(pairs):
+    lines = list(calibrate_confidence.published_lines(pairs, DetectorConfig()))
+    assert len(lines) == 6 and all(line.right for line in lines)
+    assert all(line.evidence["score"] > 1 and line.evidence["paint_width"] > 0.1 for line in lines)
+
+
+def test_the_regression_finds_the_share_of_right_lines():
+    """Right with probability x^2 / (1 + x^2): z = 2 log x."""
+    rng = np.random.default_rng(0)
+    x = np.exp(rng.uniform(-1.5, 2.5, 4000))
+    right = rng.random(len(x)) < x**2 / (1 + x**2)
+    weights = calibrate_confidence.fit_logistic(x[:, None], right.astype(float))
+    np.testing.assert_allclose(weights, [0, 2], atol=0.15)
+    assert calibrate_confidence.predicted(np.array([[1.0]]), weights)[0] == pytest.approx(0.5, abs=0.04)
+
+
+@pytest.mark.parametrize("script", [leave_a_drive_out, calibrate_confidence])
+def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["script", str(tmp_path / "none")])
+    assert script.main() == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and "none" in error
