@@ -50,11 +50,6 @@ def yes(*_: object) -> bool:
     return True
 
 
-def untracked(_tracker: object, lanes: Sequence[Any], _stamp_ns: int) -> tuple[Any, ...]:
-    """Publish each frame's own lines."""
-    return tuple(lanes)
-
-
 def unfiltered(_pipeline: object, answer: Any, *_: object) -> Any:
     """Take each pair's own road."""
     return answer
@@ -107,7 +102,8 @@ ABLATIONS = (
         f"{CORE}.lane_selection.STRONG_ALONE": 0.0, f"{CORE}.lane_selection.LONG_PAINT": 0.0,
     }),
     Ablation("no second look", {"lane_selection.second_look": False}),
-    Ablation("no tracker", patches={f"{CORE}.tracking.LaneTracker.update": untracked}),
+    Ablation("no tracker", {"tracking.enabled": False}),
+    Ablation("short losses not bridged", {"tracking.bridge_time": 0.0}),
 )  # fmt: skip
 
 QUALITY = (

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.config import TrackingConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.tracking import LaneTracker
 from lane_dp_ros.ros.conversions import camera_from_ros, stereo_images_from_ros
@@ -50,7 +51,7 @@ class FunctionChoice(evaluate.DetectorChoice):
 
     def answer_bag(self, reader: BagReader) -> BagAnswers:
         """Detect in the stereo pairs of a bag, and give the lines ids as the node does."""
-        topics, tracker = find_stereo_topics(reader), LaneTracker()
+        topics, tracker = find_stereo_topics(reader), LaneTracker(TrackingConfig(enabled=False))
         pairs = read_stereo_pairs(
             reader, topics, StereoSync(round(NodeConfig().sync_tolerance * 1e9), CAPACITY)
         )

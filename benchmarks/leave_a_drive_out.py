@@ -93,7 +93,8 @@ class Search:
         """Return the summary of each drive with these thresholds."""
         if values not in self.scores:
             self.scores[values] = self._judged(config_of(values))
-            print(f"\r{len(self.scores)} sets of thresholds", end="", file=sys.stderr, flush=True)
+            if sys.stderr.isatty():
+                print(f"\r{len(self.scores)} sets of thresholds", end="", file=sys.stderr, flush=True)
         return self.scores[values]
 
     def _judged(self, config: DetectorConfig) -> Scores:
@@ -159,7 +160,7 @@ def run(arguments: argparse.Namespace) -> None:
         chosen = {name: search.best(n for n in dict.fromkeys(drives.values()) if n != name) for name in names}
         left_out = {name: search.scored(values)[name] for name, values in chosen.items()}
         defaults = search.scored(tuple(float(parameters(DetectorConfig())[n].default) for n in SEARCHED))
-    print(file=sys.stderr)
+    print(f"{len(search.scores)} sets of thresholds were judged\n")
     report(left_out, {name: defaults[name] for name in names}, chosen)
 
 
