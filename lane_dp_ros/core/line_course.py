@@ -21,7 +21,6 @@ SURFACE_SIGMA = np.array([0.05, 0.01, 0.01])  # m, 1, 1: so height, pitch and ro
 DOWN_SIGMA = 0.02  # m, of a point
 POINT_SIGMA = 0.02  # m; the samples of a line err together
 FAR = 20.0  # m at which a point's sigma is twice as large
-SHAPE_SIGMA = np.array([10.0, 0.1, 0.01])  # m, rad, 1/m; of lines against the road
 AXIS_STEPS = 4  # each straightens better than the one before
 AXIS_SIGMA = np.array([0.3, 0.03])  # rad, 1/m; of roads
 AXIS_MAX = np.array([0.8, 0.06])  # rad, 1/m; more is no road
@@ -72,15 +71,6 @@ class Course:
     def moved(self, by: Floats) -> Course:
         """Return it moved aside by offset, heading and curvature (3,)."""
         return Course(self.s, self.y + by[0] + self.s * (by[1] + self.s * (by[2] / 2)), self.down)
-
-    def shape(self, axis: RoadAxis) -> Floats:
-        """Return offset [m], heading [rad] and curvature [1/m] (3,) against the axis."""
-        few = self.sampled
-        rows = np.array([np.ones_like(few.s), few.s, few.s**2 / 2]).T
-        weighted = rows / few.sigma()[:, None] ** 2
-        return np.linalg.solve(
-            weighted.T @ rows + np.diag(1 / SHAPE_SIGMA**2), weighted.T @ few.offsets(axis)
-        )
 
     def within(self, other: Course) -> Course | None:
         """Return samples of the part beside another; None where they share too little to be compared."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.line_course import Course, common_axis, first_axis, lateral_distance, surface_change
-from lane_dp_ros.core.line_filter import LineFilter
+from lane_dp_ros.core.line_filter import Aside, LineFilter
 from lane_dp_ros.core.line_matching import match_in_order
 
 COMPARED = 3.0  # m; lines that lie farther apart on the whole are not the same
@@ -49,8 +49,7 @@ class LineMemory:
 
     def advance(self, seconds: float) -> None:
         """Move everything on in time, and straighten it by the axis of that time."""
-        shapes = {i: line.course.shape(self.axis) for i, line in self.lines.items()}
-        self._filter.predict(seconds, shapes, self.axis.curvature)
+        self._filter.predict(seconds, self.axis.curvature)
         self._move()
         axis = common_axis([line.course for line in self.lines.values()])
         for line in self.lines.values():
@@ -76,16 +75,17 @@ class LineMemory:
     def observe(self, found: Mapping[int, Sighting]) -> None:
         """Take in the lines that are seen; the others move along."""
         known = {i: (self.lines[i].course, seen.course) for i, seen in found.items() if i in self.lines}
-        begun = found.keys() - known.keys()
-        for identity, (course, seen) in known.items():
-            part = seen.within(course)
-            if part is None:
-                begun.add(identity)
-            else:
-                aside = part.y - np.interp(part.s, course.s, course.y)
-                self._filter.observe(identity, part.s, aside, part.sigma())
+        parts = {i: (course, seen.within(course)) for i, (course, seen) in known.items()}
+        asides = {
+            i: Aside(part.s, part.y - np.interp(part.s, course.s, course.y), part.sigma())
+            for i, (course, part) in parts.items()
+            if part is not None
+        }
+        # What is expected first: it tells the vehicle's motion, so that one line astray does not.
+        for identity in sorted(asides, key=lambda i: self._filter.surprise(i, asides[i])):
+            self._filter.observe(identity, asides[identity])
         self._move()
-        for identity in begun:
+        for identity in found.keys() - asides.keys():
             self._filter.begin(identity)
         surface = surface_change(known.values())
         for identity in self.lines.keys() - found.keys():
