@@ -22,6 +22,7 @@ import ablation
 import calibrate_confidence
 import judged_set
 import leave_a_drive_out
+import what_hinders
 
 GOOD = Summary(frames=10, ego_labels=20, missed=1, labels=40, matched=38, detections=39, false_lanes=1)
 BARE = Summary(frames=10)
@@ -188,3 +189,17 @@ def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsy
     assert script.main() == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and "none" in error
+
+
+def test_each_threshold_is_tried_at_both_limits_that_go_with_the_others():
+    tried = dict(what_hinders.extremes())
+    assert len(tried) > 20 and all(name.startswith(what_hinders.STAGES) for name in tried)
+    assert tried["path_search.suppression 2"].path_search.suppression == 2.0
+
+
+def test_a_label_that_is_not_found_is_named(pairs):
+    blind = replaced(DetectorConfig(), {"path_search.min_score": 20.0, "lane_selection.second_look": False})
+    labels = [label.id for label in pairs[0].frame.labels]
+    assert what_hinders.not_found(pairs[0].judged(pairs[0].detected(DetectorConfig()).lanes)) == []
+    found = what_hinders.not_found(pairs[0].judged(pairs[0].detected(blind).lanes))
+    assert found and set(found) < set(labels)  # the dashed one has too little paint

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which single threshold keeps a labelled line from being found.
+
+python benchmarks/what_hinders.py DATA [SUITE] [--jobs N]
+DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Where labels are not found, each
+threshold of the stages from the lane graph on is set to the lowest and the highest value that it may have, one
+at a time. Printed is for each of these labels with which of them it would be found. Where it is with none,
+several tests speak against it, or the road's direction or surface is wrong.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from judged_set import JudgedPair, Judges, kitti_pairs, labelled_pairs
+
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.parameter import parameters, replaced
+from lane_dp_ros.tools.convert import progress
+from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.evaluation import FrameResult
+from lane_dp_ros.tools.parallel import available_cpus
+
+STAGES = ("lane_graph.", "path_search.", "lane_selection.")
+
+
+def extremes() -> Iterator[tuple[str, DetectorConfig]]:
+    """Yield each threshold at either limit, by what it says, with the configuration."""
+    for name, spec in parameters(DetectorConfig()).items():
+        if name.startswith(STAGES) and isinstance(spec.default, float):
+            for value in (spec.minimum, spec.maximum):
+                with suppress(ValueError):  # contradicts another one, such as a width more than the greatest
+                    yield f"{name} {value:g}", replaced(DetectorConfig(), {name: value})
+
+
+def not_found(result: FrameResult) -> list[str]:
+    """Return the ids of the labels that had to be found and were not."""
+    found = {match.label for match in result.found}
+    return [label for label in result.labels if label not in found]
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Judge by the defaults, then those that fail with every change, and print."""
+    pairs: Sequence[JudgedPair] = kitti_pairs(arguments.data)
+    if arguments.suite is not None:
+        pairs = [*pairs, *labelled_pairs(arguments.suite, arguments.suite / "truth.json")]
+    with Judges(pairs, arguments.jobs, remember=True) as judges:
+        before = {result.name: result for result in judges.results(DetectorConfig())}
+    failing = [pair for pair in pairs if not_found(before[pair.name])]
+    changes = list(extremes())
+    after: dict[str, dict[str, FrameResult]] = {pair.name: {} for pair in failing}
+    with Judges(failing, arguments.jobs, remember=True) as judges:
+        for name, config in progress(iter(changes), len(changes), "change"):
+            for result in judges.results(config):
+                after[result.name][name] = result
+    for pair in failing:
+        for label in not_found(before[pair.name]):
+            mended = [name for name, result in after[pair.name].items() if label not in not_found(result)]
+            print(f"{pair.name} {label}: {', '.join(mended) or 'no single threshold'}")
+
+
+def main() -> int:
+    """Judge and print; 1 for a known error, in one line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, metavar="DATA")
+    parser.add_argument("suite", type=Path, nargs="?", metavar="SUITE")
+    parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
+    try:
+        run(parser.parse_args())
+    except (CommandError, ValueError, OSError) as error:
+        print(one_line(error), file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
