@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tracking on real drives, judged by their labels: a bent ramp with hatching, and a straight road."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.config import TrackingConfig
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lane_detector import LaneDetector
+from lane_dp_ros.core.tracking import LaneTracker
+from lane_dp_ros.tools import kitti
+from lane_dp_ros.tools.evaluation import Summary
+from lane_dp_ros.tools.judging import judge
+from lane_dp_ros.tools.summary import summarise
+from lane_dp_ros.tools.truth import load_truth
+
+DRIVES = ("01", "02")
+AHEAD = 10.0  # m
+WINDOW = 5  # frames
+Frames = list[tuple[int, tuple[Lane, ...]]]  # stamp [ns] and lanes
+
+
+@pytest.fixture(scope="module")
+def detected(kitti_data) -> Callable[[str], tuple[StereoCamera, Frames]]:
+    """Return a function: the camera of a drive, and what is detected in each of its frames by itself."""
+
+    @cache
+    def of_drive(name):
+        sequence = kitti.read_odometry(kitti_data / "kitti_odometry" / "sequences" / name)
+        camera = StereoCamera.from_projections(sequence.P_left, sequence.P_right)
+        detector = LaneDetector(camera)
+        pairs = kitti.load_pairs(sequence)
+        return camera, [(pair.stamp_ns, detector.detect(pair.left, pair.right).lanes) for pair in pairs]
+
+    return of_drive
+
+
+@pytest.fixture(scope="module")
+def labels(kitti_data):
+    return {frame.name: frame for frame in load_truth(kitti_data / "labels" / "lanes.json")}
+
+
+def tracked(frames: Frames, enabled: bool = True) -> Frames:
+    tracker = LaneTracker(TrackingConfig(enabled=enabled))
+    return [(stamp_ns, tracker.update(lanes, stamp_ns)) for stamp_ns, lanes in frames]
+
+
+def judged(name: str, camera: StereoCamera, frames: Frames, labels) -> Summary:
+    named = [(labels.get(f"kitti_odometry/sequences/{name}/{i:06d}"), *f) for i, f in enumerate(frames)]
+    return summarise(
+        judge(replace(label, stamp_ns=stamp_ns), lanes, camera)
+        for label, stamp_ns, lanes in named
+        if label is not None
+    )
+
+
+def jitters(frames: Frames) -> list[float]:
+    """Return, for each id in five frames on end, the deviation [m] of x at 10 m from a straight line."""
+    places = [
+        {lane.id: np.interp(AHEAD, lane.points[:, 2], lane.points[:, 0]) for lane in lanes
+         if lane.extent[0] <= AHEAD <= lane.extent[1]}
+        for _, lanes in frames
+    ]  # fmt: skip
+    windows = [places[i : i + WINDOW] for i in range(len(places) - WINDOW + 1)]
+    t = np.arange(WINDOW)
+    return [
+        float(np.std(x - np.polyval(np.polyfit(t, x, 1), t)))
+        for window in windows
+        for i in set(window[0]).intersection(*window[1:])
+        for x in [np.array([place[i] for place in window])]
+    ]
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_every_painted_line_keeps_its_id(name, detected, labels):
+    camera, frames = detected(name)
+    assert judged(name, camera, tracked(frames), labels).id_switches == 0
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_tracking_finds_no_less_and_invents_nothing(name, detected, labels):
+    camera, frames = detected(name)
+    alone, over_time = (judged(name, camera, tracked(frames, on), labels) for on in (False, True))
+    assert over_time.paper_precision >= alone.paper_precision
+    assert over_time.lane_recall >= alone.lane_recall
+    assert over_time.false_lanes <= alone.false_lanes
+    assert over_time.duplicates <= alone.duplicates
+
+
+def test_tracking_is_as_exact_as_each_frame_by_itself(detected, labels):
+    sums = [Summary(), Summary()]
+    for name in DRIVES:
+        camera, frames = detected(name)
+        for i, enabled in enumerate((False, True)):
+            sums[i] += judged(name, camera, tracked(frames, enabled), labels)
+    alone, over_time = (total.localisation_error for total in sums)
+    assert over_time <= 0.014
+    assert over_time <= alone + 0.0005
+
+
+def test_lines_are_steady(detected):
+    """Taken over both drives; on the ramp half of it is the vehicle's own turning."""
+    values = [value for name in DRIVES for value in jitters(tracked(detected(name)[1]))]
+    assert np.mean(values) <= 0.01
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_no_frame_is_without_an_answer(name, detected):
+    """Nor has it a line without an id of its own."""
+    for _, lanes in tracked(detected(name)[1]):
+        assert lanes
+        assert len({lane.id for lane in lanes}) == len(lanes)
