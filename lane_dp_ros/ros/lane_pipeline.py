@@ -62,8 +62,9 @@ class LanePipeline:
         Where the pair shows no road, or one that contradicts them, the lanes are those of the left image
         alone, on the last road or the nominal one; of these, doubtful ones only where they were known before.
         """
-        if answer.camera is not None and answer.detection is not None:
-            answer = self._on_road(answer, answer.camera, answer.detection, stamp_ns, config)
+        if answer.camera is None or answer.detection is None:
+            return answer  # nobody can tell where in this picture a line from before would be
+        answer = self._on_road(answer, answer.camera, answer.detection, stamp_ns, config)
         self._tracker.config = config.tracking
         lanes = self._tracker.update(answer.lanes, stamp_ns)
         if answer.road_profile == "measured":
