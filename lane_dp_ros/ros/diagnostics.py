@@ -13,6 +13,8 @@ from enum import Enum
 
 import numpy as np
 
+from lane_dp_ros.core.self_check import UNCHECKED, Verdict
+
 WINDOW = 5.0  # s; rate, latency and seconds per stage are those of the last frames, not of the whole run
 SILENT_AFTER = 2.0  # s without a message
 MAX_FRAMES = 500  # kept at most, whatever the frame rate
@@ -32,7 +34,8 @@ class FrameReport:
 
     `time` [s] is when it was answered; `latency` [s] from its arrival to the published lanes; `seconds` per
     stage; `road_profile` where the road is from; `problem` one line that says what is wrong, or empty; `note`
-    what the detector has to say; `failed` when the pair gave no detection at all.
+    what the detector has to say; `failed` when the pair gave no detection at all; `check` is that of
+    the calibration.
     """
 
     time: float
@@ -45,6 +48,7 @@ class FrameReport:
     problem: str = ""
     note: str = ""
     failed: bool = False
+    check: Verdict = UNCHECKED
 
 
 @dataclass(frozen=True)
@@ -118,11 +122,13 @@ class Health:
         before = self._last_counts
         problems = [frame.problem for frame in news if frame.problem]
         lonely = counts.unpaired > before.unpaired
-        problem = "".join(problems[-1:])
+        doubt = news[-1].check.complaint if news else ""
+        problem = ". ".join(filter(None, [*problems[-1:], doubt if problems else ""]))
         silence = f"Nothing comes on {' and '.join(missing)}"
         said = {
             f"{silence}: {problem}" if problem else silence: bool(missing),
             f"Degraded stereo: {problem}": bool(problem),
+            doubt: bool(doubt),
             "Images come, but no pairs: do the stamps of left and right agree?": lonely
             and counts.matched == before.matched,
             "Images come faster than they can be worked on: pairs are dropped": counts.dropped
@@ -154,8 +160,20 @@ class Health:
             "road profile": last.road_profile,
             "camera height [m]": _number(last.camera_height, 2),
             "camera pitch [rad]": _number(last.pitch, 4),
+            **_calibration_values(last.check),
             "last problem": self._last_problem,
         }
+
+
+def _calibration_values(check: Verdict) -> dict[str, str]:
+    change = None if check.width_change is None else 1000 * check.width_change
+    return {
+        "lane width [m]": _number(check.lane_width, 2),
+        "lane width change [%/10 m]": _number(change, 1),
+        "disparity error [px]": _number(check.disparity_error, 1),
+        "row shift [px]": _number(check.row_shift, 2),
+        "row turn [px]": _number(check.row_turn, 2),
+    }
 
 
 def _last(frames: list[FrameReport]) -> FrameReport:

@@ -247,6 +247,7 @@ def _frame_report(answer: Answer, now: float, latency: float) -> FrameReport:
         problem=answer.problem,
         note=detection.note if detection else "",
         failed=detection is None,
+        check=answer.check,
     )
 
 

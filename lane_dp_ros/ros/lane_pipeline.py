@@ -14,6 +14,8 @@ from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.left_alone import DOUBTED
 from lane_dp_ros.core.road import RoadSurface
 from lane_dp_ros.core.road_filter import RoadFilter
+from lane_dp_ros.core.row_offset import row_offset
+from lane_dp_ros.core.self_check import UNCHECKED, SelfCheck, Sight, Verdict
 from lane_dp_ros.core.tracking import LaneTracker
 from lane_dp_ros.ros.conversions import (
     Image8,
@@ -23,6 +25,7 @@ from lane_dp_ros.ros.conversions import (
 )
 from lane_dp_ros.ros.stereo_sync import StereoPair
 
+ROWS_PERIOD_NS = 500_000_000  # between comparisons of the rows of left and right: a calibration does not jump
 SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}
 
 
@@ -33,7 +36,7 @@ class Answer:
     `left` is the left image, uint8 gray or BGR; `problem` is one line that says what is wrong, or empty;
     `camera` and `detection` are None where the calibration or the pair could not be used. `lanes` are
     the detection's, with their identity once they are tracked. `road_profile` says where the road's surface
-    is from: measured, last or nominal.
+    is from: measured, last or nominal. `right` is there while it is of use; `check` is the calibration's.
     """
 
     left: Image8
@@ -42,6 +45,8 @@ class Answer:
     detection: LaneDetection | None = None
     lanes: tuple[Lane, ...] = ()
     road_profile: str = ""
+    right: Image8 | None = None
+    check: Verdict = UNCHECKED
 
 
 class LanePipeline:
@@ -50,11 +55,15 @@ class LanePipeline:
     def __init__(self) -> None:
         self._road = RoadFilter()
         self._tracker = LaneTracker()
+        self._check = SelfCheck()
+        self._rows_ns = 0  # when the rows were compared last
         self._known: set[int] = set()  # ids of the lines that the last measured road bore
 
     def answer(self, pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Answer:
         """Return what is found in a pair, see `detect_pair`; the pairs must come in order."""
-        return self.follow(detect_pair(pair, infos, config), pair.stamp_ns, config)
+        found = detect_pair(pair, infos, config)
+        answer = self.follow(found, pair.stamp_ns, config)
+        return replace(answer, check=self._checked(found, answer, pair.stamp_ns, config))
 
     def follow(self, answer: Answer, stamp_ns: int, config: DetectorConfig) -> Answer:
         """Return the answer of a pair, detected wherever, in the light of those before.
@@ -73,6 +82,18 @@ class LanePipeline:
             lanes = tuple(lane for lane in lanes if lane.confidence > DOUBTED or lane.id in self._known)
         return replace(answer, lanes=lanes)
 
+    def _checked(self, found: Answer, answer: Answer, stamp_ns: int, config: DetectorConfig) -> Verdict:
+        """Return what the pairs so far say of the calibration; `found` is of this pair, before `follow`."""
+        if found.camera is None or found.detection is None or found.right is None:
+            return UNCHECKED
+        rows = None
+        if not 0 <= stamp_ns - self._rows_ns < ROWS_PERIOD_NS:
+            self._rows_ns = stamp_ns
+            rows = row_offset(found.left, found.right, found.detection.disparity, found.camera)
+        road = found.detection.road if answer.road_profile == "measured" else None
+        sight = Sight(stamp_ns, road, answer.lanes, rows)
+        return self._check.update(sight, _nominal_road(found.camera, config))
+
     def _on_road(
         self,
         answer: Answer,
@@ -81,15 +102,17 @@ class LanePipeline:
         stamp_ns: int,
         config: DetectorConfig,
     ) -> Answer:
-        profile = config.road_profile
-        nominal = RoadSurface.plane(camera, profile.camera_height, profile.camera_pitch)
-        road = self._road.update(detection.road, nominal, stamp_ns)
+        road = self._road.update(detection.road, _nominal_road(camera, config), stamp_ns)
         if road.source == "measured":
             return replace(answer, road_profile=road.source)
         reason = f"the road contradicts the one before: {road.reason}" if road.reason else detection.note
         problem = f"{reason}; the left image alone serves, with {SERVES[road.source]}"
         again = _detected(answer.left, None, camera, config, road.surface)
         return replace(again, problem=again.problem or problem, road_profile=road.source)
+
+
+def _nominal_road(camera: StereoCamera, config: DetectorConfig) -> RoadSurface:
+    return RoadSurface.plane(camera, config.road_profile.camera_height, config.road_profile.camera_pitch)
 
 
 def detect_pair(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Answer:
@@ -124,7 +147,7 @@ def _detected(
         return Answer(left, problem=one_line(error))
     # Lanes may well be missing from a road; a road may not be missing from the picture.
     problem = detection.note if detection.road is None else ""
-    return Answer(left, problem, camera, detection, detection.lanes)
+    return Answer(left, problem, camera, detection, detection.lanes, right=right)
 
 
 def _camera_for(infos: tuple[Any, Any], left: Image8, right: Image8 | None) -> StereoCamera:

@@ -127,7 +127,8 @@ def _detected(config: DetectorConfig, bag_pair: BagPair) -> Answer | str:
     if answer.detection is None:
         return answer
     nothing = np.empty((0, 0), np.float32)
-    return replace(answer, detection=replace(answer.detection, disparity=nothing, graph=None, paths=()))
+    detection = replace(answer.detection, disparity=nothing, graph=None, paths=())
+    return replace(answer, right=None, detection=detection)
 
 
 def _followed(

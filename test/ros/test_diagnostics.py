@@ -4,6 +4,7 @@
 
 import pytest
 
+from lane_dp_ros.core.self_check import Verdict
 from lane_dp_ros.ros.diagnostics import Counts, FrameReport, Health, Level, Topics
 
 TOPICS = Topics(images=("/l", "/r"), infos=("/li", "/ri"))
@@ -107,3 +108,31 @@ def test_a_silent_camera_and_what_serves_instead_are_one_sentence():
     health.answered(FrameReport(1.0, 0.01, lanes=2, road_profile="last", problem="no right image"))
     _, message, _ = health.summary(1.1, counts(alone=1), TOPICS)
     assert message == "Nothing comes on /r: no right image"
+
+
+DOUBT = Verdict(3.51, 0.0071, -2.74, 0.12, -0.31, "Is the calibration wrong?")
+
+
+def test_a_doubtful_calibration_is_a_warning_with_its_numbers():
+    health = health_that_heard("/l", "/r", "/li", "/ri", now=1.0)
+    health.answered(FrameReport(1.0, 0.01, lanes=2, road_profile="measured", check=DOUBT))
+    level, message, values = health.summary(1.1, counts(matched=1), TOPICS)
+    assert (level, message) == (Level.WARN, "Is the calibration wrong?")
+    assert (values["lane width [m]"], values["lane width change [%/10 m]"]) == ("3.51", "7.1")
+    assert values["disparity error [px]"] == "-2.7"
+    assert (values["row shift [px]"], values["row turn [px]"]) == ("0.12", "-0.31")
+
+
+def test_a_calibration_of_which_nothing_is_known_yet_is_no_warning():
+    health = health_that_heard("/l", "/r", "/li", "/ri", now=1.0)
+    health.answered(FrameReport(1.0, 0.01, lanes=2, road_profile="measured"))
+    level, _, values = health.summary(1.1, counts(matched=1), TOPICS)
+    assert level is Level.OK
+    assert values["lane width change [%/10 m]"] == values["row shift [px]"] == "unknown"
+
+
+def test_what_may_be_the_cause_follows_what_serves_instead():
+    health = health_that_heard("/l", "/r", "/li", "/ri", now=1.0)
+    health.answered(FrameReport(1.0, 0.01, problem="no road seen", check=DOUBT))
+    _, message, _ = health.summary(1.1, counts(matched=1), TOPICS)
+    assert message == "Degraded stereo: no road seen. Is the calibration wrong?"
