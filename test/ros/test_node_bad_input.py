@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from rcl_interfaces.msg import Log
+from rclpy.parameter import Parameter
 
 from lane_dp_ros.tools.scenes import CAMERA, SIZE
 
@@ -94,7 +95,15 @@ def test_an_image_that_cannot_be_read_gets_no_answer(rig, scene_pair, field, val
     rig.assert_lives()
 
 
-def test_step_with_padding(rig, scene_pair):
+@pytest.fixture
+def untracked_rig(make_rig):
+    """Each frame by itself: equal pictures give equal lanes."""
+    return make_rig(parameter_overrides=[Parameter("tracking.enabled", value=False)])
+
+
+def test_step_with_padding(untracked_rig, scene_pair):
+    rig = untracked_rig
+
     def padded(pixels):
         message = rig.image(pixels)
         rows = np.frombuffer(message.data, np.uint8).reshape(message.height, -1)
@@ -109,7 +118,9 @@ def test_step_with_padding(rig, scene_pair):
     np.testing.assert_array_equal(plain[0].points, with_padding[0].points)
 
 
-def test_big_endian_mono16(rig, scene_pair):
+def test_big_endian_mono16(untracked_rig, scene_pair):
+    rig = untracked_rig
+
     def mono16(pixels, order):
         grey = cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY)
         message = rig.image(grey)
