@@ -4,8 +4,8 @@
 
 python benchmarks/what_hinders.py DATA [SUITE] [--jobs N]
 DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Where labels are not found, each
-threshold of the stages from the lane graph on is set to the lowest and the highest value that it may have, one
-at a time. Printed is for each of these labels with which of them it would be found. Where it is with none,
+threshold of the stages from the lane graph on is set to the lowest and the highest value that it may have,
+one at a time. Printed is for each of these labels with which of them it would be found. With none,
 several tests speak against it, or the road's direction or surface is wrong.
 """
 
