@@ -79,6 +79,16 @@ class Course:
         part = Course(few.s[inside], few.y[inside], few.down[inside])
         return part if inside.any() and part.s[-1] - part.s[0] >= SHARED else None
 
+    def lever(self, axis: RoadAxis) -> Floats:
+        """Return how far right of the camera (N,) [m] it runs, square to the axis's direction there."""
+        x, z = axis.to_ground(self.s, self.offsets(axis))
+        direction = axis.heading + axis.curvature * self.s
+        return np.asarray(x * np.cos(direction) - z * np.sin(direction))
+
+    def slid(self, slide: Floats, axis: RoadAxis) -> Course:
+        """Return it where its points are once they have slid along their rays, see `LineFilter.slide`."""
+        return replace(self, y=self.y + self.lever(axis) * (slide[0] + slide[1] * self.s))
+
     def onto(self, other: Course) -> Course:
         """Return it moved aside, by offset and heading, to another of which it shares a part.
 

@@ -13,6 +13,10 @@ Floats = NDArray[np.float64]
 
 # The motion of the vehicle against the road: all lines move aside [m/s], turn [rad/s] and bend [1/(m s)].
 MOTION = 3
+# By what part this frame's surface is measured farther off than the last one's: at the camera, and more each
+# metre ahead [1/m]. All lines slide along their rays then; in the picture, they stay where they are.
+SURFACE_SIGMA = np.array([0.01, 0.001])
+COMMON = MOTION + len(SURFACE_SIGMA)
 FIRST_MOTION_SIGMA = np.array([1.0, 0.2, 0.03])
 MOTION_NOISE = np.array([1.0, 0.3, 0.02])  # a root second: turning in, bends that begin
 SHAKE_NOISE = np.array([0.03, 0.008, 0.001])  # m, rad, 1/m a root second: a camera that shakes
@@ -29,11 +33,15 @@ GATE = 1.0  # mean squared innovation over what is expected, from which on a lin
 
 @dataclass(frozen=True)
 class Aside:
-    """How far right of its course a line is, `aside` (N,) [m] at `s` (N,) [m], and its `sigma` (N,) [m]."""
+    """How far right of its course a line is, `aside` (N,) [m] at `s` (N,) [m], and its `sigma` (N,) [m].
+
+    `lever` (N,) [m] is how far it runs right of the camera, square to its direction there.
+    """
 
     s: Floats
     aside: Floats
     sigma: Floats
+    lever: Floats
 
 
 class LineFilter:
@@ -41,13 +49,14 @@ class LineFilter:
 
     A course is moved by a + h s + k s^2 / 2 (straightened, see `Course`). All lines move together, because
     it is the vehicle that moves; so a line that is not observed follows those that are, and drifts on as it
-    did. On a road of constant curvature forward motion cannot be seen, and need not be known.
+    did. What an error of the road's surface moves is told from that, and not remembered. On a road of
+    constant curvature forward motion cannot be seen, and need not be known.
     """
 
     def __init__(self) -> None:
         self._ids: list[int] = []
-        self._mean: Floats = np.zeros(MOTION)
-        self._covariance: Floats = np.diag(FIRST_MOTION_SIGMA**2)
+        self._mean: Floats = np.zeros(COMMON)
+        self._covariance: Floats = np.diag(np.append(FIRST_MOTION_SIGMA, SURFACE_SIGMA) ** 2)
 
     def predict(self, seconds: float, road_curvature: float) -> None:
         """Move on in time; `road_curvature` [1/m] says how far the road is from straight."""
@@ -56,12 +65,14 @@ class LineFilter:
         noise[:MOTION, :MOTION] = np.diag(MOTION_NOISE**2)
         common = np.diag(np.append(SHAKE_NOISE, np.zeros(LINE - SHAPE)) ** 2)
         own = np.diag((OWN_NOISE * (1 + abs(road_curvature) / BENDING)) ** 2)
-        noise[MOTION:, MOTION:] = np.kron(np.ones((count, count)), common) + np.kron(np.eye(count), own)
-        for first in range(MOTION, size, LINE):
+        transition[MOTION:COMMON, MOTION:COMMON] = 0
+        noise[COMMON:, COMMON:] = np.kron(np.ones((count, count)), common) + np.kron(np.eye(count), own)
+        for first in range(COMMON, size, LINE):
             transition[first : first + SHAPE, :MOTION] = np.eye(SHAPE) * seconds
             transition[[first, first + 1], [first + SHAPE, first + SHAPE + 1]] = seconds
         self._mean = transition @ self._mean
         self._covariance = transition @ self._covariance @ transition.T + noise * seconds
+        self._covariance[MOTION:COMMON, MOTION:COMMON] = np.diag(SURFACE_SIGMA**2)
 
     def begin(self, identity: int) -> None:
         """Begin a line at the course that was found for it; one that is known begins anew."""
@@ -108,12 +119,18 @@ class LineFilter:
             self._mean[self._shape(identity)] = 0.0
         return moves
 
+    def slide(self) -> Floats:
+        """Return by what part (2,) [1, 1/m] points have slid along their rays with this frame's surface."""
+        return self._mean[MOTION:COMMON].copy()
+
     def _weight(self, rows: Floats, seen: Aside) -> Floats:
         """Return the inverse of the innovation's covariance."""
         return np.asarray(np.linalg.inv(rows @ self._covariance @ rows.T + np.diag(seen.sigma**2)))
 
     def _rows(self, identity: int, seen: Aside) -> Floats:
         rows = np.zeros((len(seen.s), len(self._mean)))
+        rows[:, MOTION] = seen.lever
+        rows[:, MOTION + 1] = seen.lever * seen.s
         rows[:, self._shape(identity)] = np.array([np.ones_like(seen.s), seen.s, seen.s**2 / 2]).T
         return rows
 
@@ -122,4 +139,4 @@ class LineFilter:
         return slice(first, first + SHAPE)
 
     def _first(self, identity: int) -> int:
-        return MOTION + LINE * self._ids.index(identity)
+        return COMMON + LINE * self._ids.index(identity)

@@ -77,7 +77,9 @@ class LineMemory:
         known = {i: (self.lines[i].course, seen.course) for i, seen in found.items() if i in self.lines}
         parts = {i: (course, seen.within(course)) for i, (course, seen) in known.items()}
         asides = {
-            i: Aside(part.s, part.y - np.interp(part.s, course.s, course.y), part.sigma())
+            i: Aside(
+                part.s, part.y - np.interp(part.s, course.s, course.y), part.sigma(), part.lever(self.axis)
+            )
             for i, (course, part) in parts.items()
             if part is not None
         }
@@ -90,6 +92,11 @@ class LineMemory:
         surface = surface_change(known.values())
         for identity in self.lines.keys() - found.keys():
             self.lines[identity].course = self.lines[identity].course.lowered(surface)
+
+    def smoothed(self, identity: int, course: Course) -> Course:
+        """Return the course of a known line as it was found in this frame, moved to where it was expected."""
+        expected = self.lines[identity].course.slid(self._filter.slide(), self.axis)
+        return course.onto(expected)
 
     def _distance(self, identity: int, seen: Sighting) -> float:
         line = self.lines[identity]

@@ -99,7 +99,7 @@ class LaneTracker:
             return lane
         course = seen.course
         if self.config.enabled:
-            course = course.onto(line.course)
+            course = self._memory.smoothed(identity, course)
             lane = replace(lane, points=course.points(self._memory.axis))
         line.lane, line.course, line.offset = lane, course, lane.lateral_offset
         line.seen_ns, line.times_seen = stamp_ns, line.times_seen + 1

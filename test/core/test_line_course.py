@@ -89,6 +89,17 @@ def test_moving_onto_another_line_keeps_the_bend():
     assert seen.onto(Course(S + 100, S, S)) is seen
 
 
+@pytest.mark.parametrize("slide", [(0.01, 0.0), (0.0, 0.001), (-0.01, 0.0005)])
+def test_points_slide_along_their_rays(axis, slide):
+    """Where every point is farther off by a part of its distance, that of s ahead being larger."""
+    points = line(axis, -3.5)
+    farther = points * (1 + slide[0] + slide[1] * S)[:, None]
+    expected, slid = Course.of(farther, axis), Course.of(points, axis).slid(np.array(slide), axis)
+    assert np.interp(slid.s[5:-5], expected.s, expected.offsets(axis)) == pytest.approx(
+        slid.offsets(axis)[5:-5], abs=0.01
+    )
+
+
 def test_the_surface_moves_as_under_the_lines():
     before = [Course(S, np.full_like(S, y), np.full_like(S, 1.65)) for y in (-2.0, 2.0)]
     now = [Course(c.s, c.y, c.down - 0.03 + 0.004 * c.s + 0.002 * c.y) for c in before]

@@ -140,7 +140,7 @@ def test_smoothing_takes_jitter_away():
         raw.append([np.interp(10, AHEAD, lane.points[:, 0]) for lane in found])
         lanes = tracker.update(found, k * FRAME)
         smooth.append([np.interp(10, lane.points[:, 2], lane.points[:, 0]) for lane in lanes])
-    assert jitter(smooth) < 0.8 * jitter(raw)
+    assert jitter(smooth) < 0.85 * jitter(raw)
 
 
 @pytest.mark.parametrize("missing", [1, 2, 3, 4, 5])
@@ -258,6 +258,17 @@ def test_a_bridged_line_stays_on_the_surface():
     bridged = tracker.update(found, 20 * FRAME)[2]
     assert bridged.id == ids[2]
     assert bridged.points[:, 1] == pytest.approx(HEIGHT - 0.05 - 0.01 * AHEAD, abs=0.03)
+
+
+@pytest.mark.parametrize("name", ["straight", "bend"])
+def test_where_the_surface_is_measured_wrong_lines_stay_in_the_picture(name):
+    """All points of one frame lie 2 % too far off, on their rays: that is no motion to smooth away."""
+    drive = DRIVES[name]
+    tracker, _ = after(drive, 20)
+    found = [replace(lane, points=1.02 * lane.points) for lane in drive.lanes(20)]
+    for lane, was in zip(tracker.update(found, 20 * FRAME), found, strict=True):
+        rays, true_rays = (points[:, 0] / points[:, 2] for points in (lane.points, was.points))
+        assert np.max(np.abs(rays - true_rays) * AHEAD) < 0.02  # m aside; 2 % of 5.25 m would be 0.1 m
 
 
 def test_switched_off_it_gives_ids_only():
