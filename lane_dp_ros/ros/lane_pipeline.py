@@ -11,7 +11,7 @@ from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
-from lane_dp_ros.core.left_alone import DOUBTED
+from lane_dp_ros.core.left_alone import trusted
 from lane_dp_ros.core.road import RoadSurface
 from lane_dp_ros.core.road_filter import RoadFilter
 from lane_dp_ros.core.row_offset import row_offset
@@ -57,7 +57,9 @@ class LanePipeline:
         self._tracker = LaneTracker()
         self._check = SelfCheck()
         self._rows_ns = 0  # when the rows were compared last
-        self._known: set[int] = set()  # ids of the lines that the last measured road bore
+        self._known: tuple[
+            Lane, ...
+        ] = ()  # the lines that the last measured road bore, where they are by now
 
     def answer(self, pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Answer:
         """Return what is found in a pair, see `detect_pair`; the pairs must come in order."""
@@ -74,12 +76,12 @@ class LanePipeline:
         if answer.camera is None or answer.detection is None:
             return answer  # nobody can tell where in this picture a line from before would be
         answer = self._on_road(answer, answer.camera, answer.detection, stamp_ns, config)
+        measured = answer.road_profile == "measured"
         self._tracker.config = config.tracking
-        lanes = self._tracker.update(answer.lanes, stamp_ns)
-        if answer.road_profile == "measured":
-            self._known = {lane.id for lane in lanes}
-        else:
-            lanes = tuple(lane for lane in lanes if lane.confidence > DOUBTED or lane.id in self._known)
+        seen = answer.lanes if measured else trusted(answer.lanes, self._known)
+        lanes = self._tracker.update(seen, stamp_ns)
+        ids = {lane.id for lane in self._known}
+        self._known = tuple(lane for lane in lanes if measured or lane.id in ids)
         return replace(answer, lanes=lanes)
 
     def _checked(self, found: Answer, answer: Answer, stamp_ns: int, config: DetectorConfig) -> Verdict:

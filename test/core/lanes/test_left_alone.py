@@ -11,7 +11,7 @@ import pytest
 from lane_dp_ros.core.data import LaneEvidence, LaneLine
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.core.left_alone import DOUBTED, without_heights
+from lane_dp_ros.core.left_alone import DOUBTED, trusted, without_heights
 from lane_dp_ros.core.road import RoadSurface
 from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road, render_pair
 from lane_dp_ros.tools.scenes.road import SOLID, UNPAINTED
@@ -40,7 +40,7 @@ def test_paint_is_not_doubted():
 
 @pytest.mark.parametrize(
     "unlike",
-    [{"paint_width": 0.08}, {"paint_width": 0.3}, {"breadth": 0.0}, {"roughness": 0.12}],
+    [{"paint_width": 0.08}, {"paint_width": 0.3}, {"breadth": 0.0}, {"brightness": 0.1}, {"roughness": 0.12}],
     ids=str,
 )
 def test_what_is_unlike_paint_is_doubted(unlike):
@@ -61,6 +61,28 @@ def test_what_is_doubted_already_is_not_lifted():
     lane = Lane(np.zeros((2, 3)), 0.2, 0.15, "other", 0.0, 1.5)
     (found,) = without_heights([lane], [line(1.5)], [replace(PAINT, breadth=-1.0)])
     assert found.confidence == 0.2
+
+
+def lane_at(x, confidence, first=6.0, last=20.0):
+    z = np.arange(first, last, 0.25)
+    points = np.stack([np.full_like(z, x), np.full_like(z, 1.65), z], axis=1)
+    return Lane(points, confidence, 0.15, "other", 0.0, x)
+
+
+@pytest.mark.parametrize(
+    ("lane", "is_trusted"),
+    [
+        (lane_at(5.0, 0.8), True),  # new, and not doubted
+        (lane_at(5.0, DOUBTED), False),
+        (lane_at(1.9, DOUBTED), True),  # where one was known
+        (lane_at(1.9, 0.2, first=10.0, last=30.0), True),
+        (lane_at(2.2, DOUBTED), False),  # beside it
+        (lane_at(1.75, DOUBTED, first=18.0, last=30.0), False),  # beyond its end
+    ],
+)
+def test_of_doubted_lines_those_that_were_known_are_trusted(lane, is_trusted):
+    known = (lane_at(-1.75, 0.9), lane_at(1.75, 0.3))
+    assert trusted([lane], known) == ((lane,) if is_trusted else ())
 
 
 def sure(image, road):
