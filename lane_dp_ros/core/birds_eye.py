@@ -18,6 +18,7 @@ Floats = NDArray[Any]
 
 IMAGE_BORDER = 2  # px; interpolation next to the border makes up grey values
 DEPTH_MIN = 3.0  # m
+SAMPLES = (2, 4)  # across and along each cell; more give nothing
 ABOVE_PX = 1.0  # px; less difference in disparity is noise, however many metres it is
 
 
@@ -48,8 +49,19 @@ def birds_eye_view(
     with np.errstate(invalid="ignore"):
         stands_out = matched - surface.disparity(map_u, map_v) > ABOVE_PX
         on_road = seen & ~((height > config.height_tolerance) & stands_out)
-    grey = np.asarray(cv2.remap(image, map_u, map_v, cv2.INTER_LINEAR), dtype=np.uint8)
+    grey = _area_mean(image, map_u, map_v)
     return BirdsEyeView(grey, seen, on_road, height, map_u, map_v, s, n, axis, ground, surface)
+
+
+def _area_mean(
+    image: NDArray[np.uint8], map_u: NDArray[np.float32], map_v: NDArray[np.float32]
+) -> NDArray[np.uint8]:
+    """Return the mean grey value over each cell: near the vehicle a cell covers dozens of pixels."""
+    rows, columns = map_u.shape
+    fine = columns * SAMPLES[0], rows * SAMPLES[1]
+    u, v = (cv2.resize(each, fine, interpolation=cv2.INTER_LINEAR) for each in (map_u, map_v))
+    sampled = cv2.remap(image, u, v, cv2.INTER_LINEAR)
+    return np.asarray(cv2.resize(sampled, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _grid(config: BirdsEyeConfig) -> tuple[Floats, Floats]:

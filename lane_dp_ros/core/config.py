@@ -13,7 +13,6 @@ from lane_dp_ros.core.parameter import Parameters, Value, parameter, replaced
 class DisparityConfig(Parameters):
     """The stereo matcher; names and meaning as in stereo_image_proc (semi-global block matching)."""
 
-    min_disparity: int = parameter(0, "Smallest disparity searched.", unit="px", limits=(0, 512))
     disparity_range: int = parameter(
         128,
         "Number of disparities searched; bounds the nearest depth.",
@@ -32,7 +31,6 @@ class DisparityConfig(Parameters):
     speckle_size: int = parameter(
         100, "Smaller patches of disparity are invalid.", unit="px", limits=(0, 1000)
     )
-    speckle_range: int = parameter(2, "Disparity change inside a patch.", unit="px", limits=(0, 31))
     downscale: int = parameter(
         2, "Match at 1/downscale of the image's resolution; 2 takes a tenth of the time.", limits=(1, 4)
     )
@@ -59,7 +57,6 @@ class RoadProfileConfig(Parameters):
     residual_threshold: float = parameter(
         1.0, "Disparities farther from the surface do not belong to it.", unit="px", limits=(0.2, 5.0)
     )
-    max_trials: int = parameter(80, "RANSAC samples.", limits=(10, 1000))
 
 
 @dataclass(frozen=True)
@@ -80,12 +77,6 @@ class VanishingPointConfig(Parameters):
     curvature_max: float = parameter(
         0.05, "Sharpest bend, 1/radius; for arc.", unit="1/m", limits=(0.005, 0.1)
     )
-    heading_sigma: float = parameter(
-        0.2, "How far the heading usually is from straight ahead; for arc.", unit="rad", limits=(0.02, 1.0)
-    )
-    curvature_sigma: float = parameter(
-        0.04, "How far the curvature usually is from straight; for arc.", unit="1/m", limits=(0.002, 1.0)
-    )
 
 
 @dataclass(frozen=True)
@@ -94,7 +85,7 @@ class BirdsEyeConfig(Parameters):
 
     near: float = parameter(4.0, "Where the view begins, ahead of the camera.", unit="m", limits=(0.0, 20.0))
     length: float = parameter(30.0, "Length of the view along the road.", unit="m", limits=(10.0, 100.0))
-    width: float = parameter(15.0, "Width of the view, half to each side.", unit="m", limits=(4.0, 40.0))
+    width: float = parameter(16.0, "Width of the view, half to each side.", unit="m", limits=(4.0, 40.0))
     forward_resolution: float = parameter(0.25, "Cell length.", unit="m", limits=(0.02, 1.0))
     lateral_resolution: float = parameter(0.05, "Cell width.", unit="m", limits=(0.01, 0.2))
     height_tolerance: float = parameter(
@@ -178,25 +169,19 @@ class LaneSelectionConfig(Parameters):
     """What makes a line a lane."""
 
     evidence: bool = parameter(True, "Judge lines by their evidence; else every line of the model is a lane.")
-    paint_width_max: float = parameter(0.36, "Broader bands are no lane lines.", unit="m", limits=(0.1, 1.0))
-    breadth_max: float = parameter(
-        0.88, "Contrast of a 0.45 m band over that of 0.15 m; more is a verge or kerb.", limits=(0.1, 5.0)
-    )
-    height_min: float = parameter(-0.12, "Lowest height above the road.", unit="m", limits=(-1.0, 0.0))
+    paint_width_min: float = parameter(0.10, "Narrower bands are rails, seams.", unit="m", limits=(0.0, 0.3))
+    paint_width_max: float = parameter(0.34, "Broader bands are no lane lines.", unit="m", limits=(0.1, 1.0))
     height_max: float = parameter(
         0.05, "Highest height above the road; more is a kerb.", unit="m", limits=(0.0, 1.0)
     )
     slope_max: float = parameter(
         0.12, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
     )
-    slope_per_bend: float = parameter(
-        7.0, "How much steeper lines may be on a bend.", unit="m", limits=(0.0, 50.0)
-    )
     roughness_max: float = parameter(
-        0.2, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
+        0.15, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
     )
-    brightness_min: float = parameter(
-        -0.15, "Brightness of the paint over that of the lane beside it, less 1.", limits=(-1.0, 1.0)
+    contrast_min: float = parameter(
+        0.03, "Weber contrast of the paint against the road on both sides.", limits=(-1.0, 1.0)
     )
     run_min: float = parameter(1.5, "Shortest piece of paint.", unit="m", limits=(0.0, 20.0))
     start_max: float = parameter(22.0, "Farthest beginning of a line.", unit="m", limits=(5.0, 100.0))
@@ -204,16 +189,10 @@ class LaneSelectionConfig(Parameters):
         2.2, "Net metres of paint of a line beside another one.", unit="m", limits=(0.5, 20.0)
     )
     score_alone: float = parameter(
-        4.0, "Net metres of paint of a line by itself.", unit="m", limits=(0.5, 30.0)
-    )
-    beside_max: float = parameter(
-        0.75, "Lines nearer than this are a double line.", unit="m", limits=(0.1, 2.0)
+        3.4, "Net metres of paint of a line by itself.", unit="m", limits=(0.5, 30.0)
     )
     lane_width_min: float = parameter(2.4, "Narrowest lane.", unit="m", limits=(1.0, 4.0))
     lane_width_max: float = parameter(4.3, "Widest lane.", unit="m", limits=(2.0, 8.0))
-    second_look: bool = parameter(
-        True, "Look for faint borders of the own lane, parallel to the strongest line."
-    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -261,7 +240,6 @@ PAPER: dict[str, Value] = {
     "lane_model.model": "parabola",
     "lane_model.residual_threshold": 5**0.5 * 0.05,  # t_r = 5 px^2 at 20 px/m
     "lane_selection.evidence": False,
-    "lane_selection.second_look": False,
     "tracking.enabled": False,
 }
 

@@ -187,12 +187,18 @@ class LaneEvidence:
     breadth: float
     """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
     height: float
-    """Median height [m] of the paint above the road's surface."""
+    """Median height [m] of the paint above the road's surface, NaN where it is not known."""
+    step: float
+    """How much higher [m] the ground beside the line is: a kerb has one; 0 where it is not known."""
     slope: float
     """Steepest lateral over forward, against the road's axis."""
     roughness: float
     """Texture beside the line, over brightness: asphalt is smooth, grass is not."""
+    contrast: float
+    """Weber contrast of the paint against the road on both sides of it."""
     brightness: float
     """Brightness of the paint over that of the road towards the vehicle, less 1."""
     run: float
     """Longest piece of paint [m], short gaps bridged."""
+    dashes: int
+    """Number of pieces of paint that are long enough to be dashes."""

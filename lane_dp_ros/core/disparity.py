@@ -12,6 +12,7 @@ from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DisparityConfig
 
 ABOVE_HORIZON = 0.03  # of fy; rows higher above the principal point hold no road (a slope of 3 %)
+SPECKLE_RANGE = 2  # px; change of disparity inside a patch
 SUBPIXEL = 16  # OpenCV's fixed-point disparities
 
 
@@ -46,22 +47,20 @@ def _match(
     small = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (left, right)]
     fixed = matcher.compute(*small)
     scale = columns / size[0] / SUBPIXEL
-    found = np.where(
-        fixed >= config.min_disparity // config.downscale * SUBPIXEL, fixed * np.float32(scale), np.nan
-    )
+    found = np.where(fixed >= 0, fixed * np.float32(scale), np.nan)
     return np.asarray(cv2.resize(found.astype(np.float32), (columns, rows), interpolation=cv2.INTER_NEAREST))
 
 
 def _matcher(config: DisparityConfig) -> cv2.StereoSGBM:
     scale = config.downscale
     return cv2.StereoSGBM.create(
-        minDisparity=config.min_disparity // scale,
+        minDisparity=0,
         numDisparities=-(-config.disparity_range // scale // 16) * 16,
         blockSize=config.correlation_window_size,
         P1=config.P1,
         P2=config.P2,
         uniquenessRatio=config.uniqueness_ratio,
         speckleWindowSize=config.speckle_size,
-        speckleRange=config.speckle_range,
+        speckleRange=SPECKLE_RANGE,
         mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
     )

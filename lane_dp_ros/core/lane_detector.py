@@ -4,33 +4,26 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.birds_eye import birds_eye_view
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, LanePath, VanishingPoint
+from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LanePath, VanishingPoint
 from lane_dp_ros.core.disparity import dense_disparity
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_evidence import line_evidence
-from lane_dp_ros.core.lane_graph import build_graph
-from lane_dp_ros.core.lane_model import fit_line
-from lane_dp_ros.core.lane_selection import is_paint, select_lanes
+from lane_dp_ros.core.lane_search import RoadPicture, search_lanes
 from lane_dp_ros.core.lanes import to_lanes
 from lane_dp_ros.core.left_alone import without_heights
-from lane_dp_ros.core.parallel_lines import parallel_lines
-from lane_dp_ros.core.path_search import find_paths
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 from lane_dp_ros.core.road_direction import road_axis
 from lane_dp_ros.core.road_edges import road_edges
 from lane_dp_ros.core.road_profile import fit_road_surface, plausible_heights
+from lane_dp_ros.core.stopwatch import Stopwatch
+from lane_dp_ros.core.turned_axis import turned_axis
 from lane_dp_ros.core.vanishing_point import dense_vanishing_point, pitch_and_yaw, vanishing_point_of
 
 Image = NDArray[np.uint8]
@@ -72,7 +65,7 @@ class LaneDetector:
         Where the pair shows no road, or a road without lanes, the detection has no lanes and `note` says why.
         Raises ValueError for images of different size or of another shape or type.
         """
-        config, watch = self.config, _Stopwatch()
+        config, watch = self.config, Stopwatch()
         rng = np.random.default_rng(config.seed)
         left = _grey(left, "left")
         right = None if right is None and road is not None else _grey(right, "right")
@@ -88,20 +81,20 @@ class LaneDetector:
             return LaneDetection(disparity=disparity, seconds=watch.seconds, note=note)
         with watch("vanishing_point"):
             vanishing_point, axis, ground = self._direction(left, disparity, road)
-        with watch("birds_eye"):
-            view = birds_eye_view(left, disparity, road, axis, config.birds_eye, ground)
-        with watch("lane_graph"):
-            graph = build_graph(view, config.lane_graph)
-        with watch("path_search"):
-            paths = find_paths(graph, view.resolution, config.path_search)
-        with watch("lane_selection"):
-            lines, evidence = self._select(paths, view, graph, rng)
-            lanes = to_lanes(lines, evidence, view)
-            if right is None:
-                lanes = without_heights(lanes, lines, evidence)
-        note = "" if lanes else f"no lanes among {len(paths)} paths"
+        picture = RoadPicture(left, disparity, road, ground)
+        found = search_lanes(picture, axis, config, rng, watch)
+        if config.lane_selection.evidence:
+            turned = turned_axis(found.candidates, axis, config.lane_selection, config.vanishing_point)
+            if turned is not None:
+                again = search_lanes(picture, turned, config, rng, watch)
+                found = max(found, again, key=lambda search: search.score)
+        lines, evidence = [line for line, _ in found.lanes], [evidence for _, evidence in found.lanes]
+        lanes = to_lanes(lines, evidence, found.view)
+        if right is None:
+            lanes = without_heights(lanes, lines, evidence)
+        note = "" if lanes else f"no lanes among {len(found.paths)} paths"
         return LaneDetection(
-            lanes, disparity, road, vanishing_point, view, graph, tuple(paths), watch.seconds, note
+            lanes, disparity, road, vanishing_point, found.view, found.graph, found.paths, watch.seconds, note
         )
 
     def _direction(
@@ -116,41 +109,6 @@ class LaneDetector:
         point = dense_vanishing_point(edges, road, left.shape)
         pitch, yaw = pitch_and_yaw(point, self.camera, left.shape, config.centred_principal_point)
         return point, RoadAxis(yaw), RoadSurface.plane(self.camera, road.camera_height, pitch)
-
-    def _select(
-        self, paths: list[LanePath], view: BirdsEyeView, graph: LaneGraph, rng: np.random.Generator
-    ) -> tuple[list[LaneLine], list[LaneEvidence]]:
-        """Return the lines that are lanes, with their evidence."""
-        config, bend = self.config.lane_selection, view.axis.curvature
-        fitted = [fit_line(path, view, graph, self.config.lane_model, rng) for path in paths]
-        lines = [line for line in fitted if line is not None]
-        judged = [(line, line_evidence(line, view, graph)) for line in lines]
-        if not config.evidence:
-            return [line for line, _ in judged], [evidence for _, evidence in judged]
-        judged = [(line, evidence) for line, evidence in judged if is_paint(line, evidence, config, bend)]
-        lines, evidence = [line for line, _ in judged], [evidence for _, evidence in judged]
-        kept = select_lanes(lines, evidence, config)
-        if config.second_look:
-            for line in parallel_lines([lines[i] for i in kept], view, graph, config):
-                found = line_evidence(line, view, graph)
-                if is_paint(line, found, config, bend):
-                    lines.append(line)
-                    evidence.append(found)
-            kept = select_lanes(lines, evidence, config, kept)
-        return [lines[i] for i in kept], [evidence[i] for i in kept]
-
-
-class _Stopwatch:
-    """Seconds per stage, in the order they ran."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-
-    @contextmanager
-    def __call__(self, stage: str) -> Iterator[None]:
-        start = time.perf_counter()
-        yield
-        self.seconds[stage] = time.perf_counter() - start
 
 
 def _grey(image: Image | None, side: str) -> Image:

@@ -15,14 +15,19 @@ Floats = NDArray[np.float32]
 PAINTED = 0.5  # feature above which a row shows paint
 MIN_PAINTED = 3  # rows; with fewer the best ones are looked at
 SAMPLE = 0.05  # m between the samples of a cross section, whatever the view's resolution
-SECTION = 11  # samples to each side of the centre: the cross section that is looked at
+SECTION = 20  # samples to each side of the centre: the cross section that is looked at
 RECENTRE = 2  # samples by which a row's cross section may be moved onto its peak
 NEAR_LINE = 0.10  # m to each side of a line, where its paint and height are looked up
 NEAR_PAINT = 10.0  # m of paint, the nearest, that give the cross section; the far ones are blurred
 HEIGHT_DEPTH = 25.0  # m; farther, disparity tells no heights of paint
 GAP_BRIDGED = 1.0  # m of missing paint inside one run
 ASIDE = 0.6  # m; where the texture beside the line is taken
+FLANK = (4, 10)  # samples from the centre; the road beside the paint, behind its blurred border and any crack
+SATURATED = 250.0  # grey levels; how bright such ground is nobody knows
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
+STEP = (0.35, 0.6)  # m aside; where a kerb stands beside a gutter
+DASH = 1.5  # m of paint, at least
+HEIGHT_SPREAD = 0.15  # m between the quartiles; heights that scatter more are not known
 DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 
 
@@ -40,11 +45,14 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneE
     return LaneEvidence(
         paint_width=width,
         breadth=breadth,
-        height=_median(view.height[line.rows[near, None], around[near]]),
+        height=_height(view, line.rows[near], around[near]),
+        step=_step(view, line.rows[near], centre[near]),
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
         roughness=_roughness(line.rows, centre, view, graph),
+        contrast=_contrast(sections),
         brightness=_brightness(sections, line.rows[painted], centre[painted], view),
         run=_longest_run(feature > PAINTED, view.resolution[0]),
+        dashes=_dashes(feature > PAINTED, view.resolution[0]),
     )
 
 
@@ -78,9 +86,9 @@ def _band_shape(sections: Floats, per_row: float) -> tuple[float, float]:
     middle = sections.shape[1] // 2
     near = sections[: max(MIN_PAINTED, round(NEAR_PAINT / per_row))]
     profile = np.median(near / (near.mean(axis=1, keepdims=True) + DARK), axis=0)
-    base = max(profile[middle - 7 : middle - 2].min(), profile[middle + 3 : middle + 8].min())
-    level = 0.5 * (base + profile[middle - 1 : middle + 2].max())
-    width = _crossing(profile[middle:], level) + _crossing(profile[middle::-1], level)
+    peak = profile[middle - 1 : middle + 2].max()
+    sides = profile[middle:], profile[middle::-1]
+    width = sum(_crossing(side, 0.5 * (peak + side[3:8].min())) for side in sides)
 
     def contrast(half: int, flank: int) -> Floats:
         """Band of 2 half + 1 samples against the brighter flank, one sample between."""
@@ -105,6 +113,18 @@ def _crossing(profile: Floats, level: float) -> float:
     return i + float((profile[i] - level) / max(float(profile[i] - profile[i + 1]), 1e-6))
 
 
+def _contrast(sections: Floats) -> float:
+    """Return the Weber contrast of the paint against the brighter of both flanks."""
+    middle = sections.shape[1] // 2
+    near, far = FLANK
+    paint = sections[:, middle - 1 : middle + 2].mean(axis=1)
+    left = np.median(sections[:, middle - far + 1 : middle - near + 1], axis=1)
+    right = np.median(sections[:, middle + near : middle + far], axis=1)
+    left, right = np.where(left > SATURATED, right, left), np.where(right > SATURATED, left, right)
+    road = np.maximum(left, right)
+    return float(np.median((paint - road) / (road + DARK)))
+
+
 def _brightness(
     sections: Floats, rows: NDArray[np.intp], centre: NDArray[np.intp], view: BirdsEyeView
 ) -> float:
@@ -117,6 +137,29 @@ def _brightness(
     return float(np.median((paint - road) / (road + DARK)))
 
 
+def _height(view: BirdsEyeView, rows: NDArray[np.intp], around: NDArray[np.intp]) -> float:
+    """Return the median height [m] of cells above the road, NaN where the disparity does not tell."""
+    heights = view.height[rows[:, None], around]
+    heights = heights[np.isfinite(heights)]
+    if len(heights) <= 5:
+        return np.nan
+    low, middle, high = np.percentile(heights, [25, 50, 75])
+    return float(middle) if high - low <= HEIGHT_SPREAD else np.nan
+
+
+def _step(view: BirdsEyeView, rows: NDArray[np.intp], centre: NDArray[np.intp]) -> float:
+    """Return how much higher [m] the ground beside the line is than the line, on its higher side."""
+    first, last = (round(d / view.resolution[1]) for d in STEP)
+    reach = round(NEAR_LINE / view.resolution[1])
+    aside = np.arange(first, last + 1)
+    here, left, right = (
+        _height(view, rows, np.clip(centre[:, None] + columns, 0, len(view.n) - 1))
+        for columns in (np.arange(-reach, reach + 1), -aside, aside)
+    )
+    steps = [side - here for side in (left, right) if np.isfinite(side - here)]
+    return max(steps, default=0.0)
+
+
 def _roughness(
     rows: NDArray[np.intp], centre: NDArray[np.intp], view: BirdsEyeView, graph: LaneGraph
 ) -> float:
@@ -127,6 +170,13 @@ def _roughness(
     return float(np.median(share.min(axis=0)))
 
 
+def _dashes(painted: NDArray[np.bool_], per_row: float) -> int:
+    """Return the number of pieces of paint that are long enough to be dashes."""
+    change = np.diff(np.concatenate([[0], painted.astype(int), [0]]))
+    lengths = np.flatnonzero(change == -1) - np.flatnonzero(change == 1)
+    return int(np.count_nonzero(lengths * per_row >= DASH))
+
+
 def _longest_run(painted: NDArray[np.bool_], per_row: float) -> float:
     """Return the length [m] of the longest run of painted rows, gaps of up to `GAP_BRIDGED` bridged."""
     kernel = np.ones((round(GAP_BRIDGED / per_row) | 1, 1), np.uint8)
@@ -134,9 +184,3 @@ def _longest_run(painted: NDArray[np.bool_], per_row: float) -> float:
     change = np.diff(np.concatenate([[0], closed.astype(int), [0]]))
     lengths = np.flatnonzero(change == -1) - np.flatnonzero(change == 1)
     return float(lengths.max() * per_row) if len(lengths) else 0.0
-
-
-def _median(values: Floats) -> float:
-    """Return the median of the finite values, 0 where there are hardly any."""
-    finite = values[np.isfinite(values)]
-    return float(np.median(finite)) if len(finite) > 5 else 0.0

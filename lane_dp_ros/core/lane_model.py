@@ -44,9 +44,15 @@ def fit_line(
 
 
 def polynomial_line(path: LanePath, s: Floats, n: Floats, weight: Floats) -> LaneLine:
-    """Return the robust cubic (a parabola on short paths) through the centres n(s) with their weights."""
+    """Return the robust polynomial through the centres n(s) with their weights."""
+    fitted, bend = polynomial_fit(s, n, weight)
+    return LaneLine(path.rows, s, fitted, bend, path.score)
+
+
+def polynomial_fit(s: Floats, n: Floats, weight: Floats) -> tuple[Floats, float]:
+    """Return the robust cubic (a parabola on short lines) at s, and its curvature [1/m] in the middle."""
     middle = s.mean()
     degree = 3 if np.ptp(s) > CUBIC_LENGTH else 2
     A = np.vander((s - middle) / TEN_METRES, degree + 1, increasing=True)
     b = tukey_fit(A, n, weight, np.diag(RIDGE[: degree + 1]), np.full(ROUNDS, TOLERANCE))
-    return LaneLine(path.rows, s, A @ b, 2 * float(b[2]) / TEN_METRES**2, path.score)
+    return A @ b, 2 * float(b[2]) / TEN_METRES**2

@@ -11,21 +11,48 @@ import numpy as np
 from lane_dp_ros.core.config import LaneSelectionConfig
 from lane_dp_ros.core.data import LaneEvidence, LaneLine
 
-LONG_PAINT = 8.0  # m; a solid line, no arrow and no hatching stripe
-STRONG_ALONE = 6.0  # m of paint that lift a line above being an arrow or hatching
+BREADTH_MAX = 1.04  # contrast of a 0.45 m band over that of a 0.15 m one; more is a verge or a light patch
+SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
+
+# What a kerb, a gutter or a verge has and paint lacks; it takes one of these and little contrast.
+KERB_CONTRAST = 0.3
+KERB_STEP = 0.09  # m that the ground beside it is higher
+UNBROKEN = 6.0  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
+KERB_WIDTH = 0.31  # m
+KERB_HEIGHT = 0.04  # m
+KERB_BRIGHTNESS = -0.15  # over that of the lane beside it, less 1
+
+SAME = 0.15  # m; nearer lines are one line found twice
+BESIDE = 0.75  # m; nearer lines are a double line
+STRONG = 6.0  # m of paint, in a long piece or in dashes, that lift a line above being an arrow or hatching
+LONG_PIECE, DASHES = 8.0, 3  # m, number
+LONE_PIECE = 4.0  # m; a shorter piece by itself is any bright patch
+UNKNOWN_HEIGHT = 5.0  # m of paint of a line by itself whose height is not known: what stands is a streak, too
 
 
 def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig, bend: float) -> bool:
     """Return whether a line has the evidence of paint, by itself. `bend` [1/m] is the road's curvature."""
     return (
-        evidence.paint_width <= config.paint_width_max
-        and evidence.breadth <= config.breadth_max
-        and config.height_min <= evidence.height <= config.height_max
-        and evidence.slope <= config.slope_max + config.slope_per_bend * abs(bend)
+        config.paint_width_min <= evidence.paint_width <= config.paint_width_max
+        and evidence.breadth <= BREADTH_MAX
+        and evidence.contrast >= config.contrast_min
+        and not evidence.height > config.height_max  # nor is NaN, an unknown height
+        and not _is_kerb(evidence)
+        and evidence.slope <= config.slope_max + SLOPE_PER_BEND * abs(bend)
         and evidence.roughness <= config.roughness_max
-        and evidence.brightness >= config.brightness_min
         and evidence.run >= config.run_min
         and line.s[0] <= config.start_max
+    )
+
+
+def _is_kerb(evidence: LaneEvidence) -> bool:
+    """Return whether a pale stripe has a sign of a kerb, a gutter or a verge."""
+    unbroken = evidence.run >= UNBROKEN
+    return evidence.contrast < KERB_CONTRAST and (
+        evidence.step > KERB_STEP
+        or (unbroken and evidence.paint_width > KERB_WIDTH)
+        or (unbroken and evidence.height > KERB_HEIGHT)
+        or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
     )
 
 
@@ -38,29 +65,37 @@ def select_lanes(
     """Return the indices of the lines that are lanes, `kept` ones included, strongest first.
 
     A line in the middle of a lane - nearer than a lane's width to a stronger one - is an arrow or
-    hatching unless its own evidence is strong. A weak line counts only one lane's width from another good
-    one.
+    hatching unless its own evidence is strong. A weak line counts only one lane's width from another one.
     """
     chosen = list(kept)
     for i in sorted(set(range(len(lines))) - set(kept), key=lambda i: -lines[i].score):
         gaps = [lateral_gap(lines[i], lines[k]) for k in chosen]
-        strong = lines[i].score >= STRONG_ALONE and evidence[i].run >= LONG_PAINT
-        inside_lane = any(config.beside_max < gap < config.lane_width_min for gap in gaps)
-        if lines[i].score < config.score_min or (inside_lane and not strong):
+        inside_lane = any(BESIDE < gap < config.lane_width_min for gap in gaps)
+        if lines[i].score < config.score_min or (inside_lane and not _is_strong(lines[i], evidence[i])):
             continue
-        if kept and any(gap <= config.beside_max for gap in gaps):
+        if any(gap <= (BESIDE if kept else SAME) for gap in gaps):
             continue
         chosen.append(i)
-    return [i for i in chosen if i in kept or _stands(i, chosen, lines, config)]
+    return [i for i in chosen if i in kept or _stands(i, chosen, lines, evidence[i], config)]
 
 
-def _stands(i: int, chosen: Sequence[int], lines: Sequence[LaneLine], config: LaneSelectionConfig) -> bool:
-    """Return whether a line is strong, or one lane's width from another."""
-    return lines[i].score >= config.score_alone or any(
-        config.lane_width_min <= lateral_gap(lines[i], lines[k]) <= config.lane_width_max
-        for k in chosen
-        if k != i
-    )
+def _is_strong(line: LaneLine, evidence: LaneEvidence) -> bool:
+    """Return whether a line is more than an arrow or the ends of hatching stripes."""
+    return line.score >= STRONG and (evidence.run >= LONG_PIECE or evidence.dashes >= DASHES)
+
+
+def _stands(
+    i: int,
+    chosen: Sequence[int],
+    lines: Sequence[LaneLine],
+    evidence: LaneEvidence,
+    config: LaneSelectionConfig,
+) -> bool:
+    """Return whether line i has enough paint for itself, or lies one lane's width from another."""
+    enough = config.score_alone if np.isfinite(evidence.height) else max(config.score_alone, UNKNOWN_HEIGHT)
+    gaps = (lateral_gap(lines[i], lines[k]) for k in chosen if k != i)
+    by_itself = lines[i].score >= enough and (evidence.run >= LONE_PIECE or evidence.dashes > 1)
+    return by_itself or any(config.lane_width_min <= gap <= config.lane_width_max for gap in gaps)
 
 
 def lateral_gap(a: LaneLine, b: LaneLine) -> float:

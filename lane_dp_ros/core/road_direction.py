@@ -19,6 +19,7 @@ Floats = NDArray[Any]
 
 HEADING_STEP = np.deg2rad(0.5)
 CURVATURE_STEP = 0.002  # 1/m
+HEADING_SIGMA, CURVATURE_SIGMA = 0.2, 0.04  # rad, 1/m; a broad prior: roads mostly go straight ahead
 PEAKS = 12  # of the vote, to be judged
 PEAK_SHARE = 0.25  # of the highest vote; lower ones are no peaks
 AGREEMENT = np.deg2rad(4.0)  # edges within this of the axis count as lines along it
@@ -101,7 +102,7 @@ class _Vote:
     def _prior(
         self, heading: NDArray[np.floating] | float, curvature: NDArray[np.floating] | float
     ) -> Floats:
-        distance = (heading / self.config.heading_sigma) ** 2 + (curvature / self.config.curvature_sigma) ** 2
+        distance = (heading / HEADING_SIGMA) ** 2 + (curvature / CURVATURE_SIGMA) ** 2
         return np.asarray(np.exp(-0.5 * distance), dtype=np.float32)
 
 

@@ -26,6 +26,7 @@ MIN_INLIERS = 0.2  # of the pixels, matched or not; fewer and what was fitted is
 HEIGHT_FACTOR = 1.4  # by which the camera may stand higher or lower than its nominal height
 PITCH_RANGE = 0.15  # rad about the nominal pitch: vehicle and hill together
 ROLL_MAX = 0.15  # rad; a road banked by 15 %
+MAX_TRIALS = 80  # RANSAC samples
 NEIGHBOURS = 2  # disparities [px] by which the v-disparity path may move from row to row
 NARROWING = np.array([3.0, 2.0, 1.5, 1.0, 1.0, 1.0])  # times residual_threshold
 RIDGE = np.diag([1e-9, 1e-9, 2e-4, 1e-9])  # per sample; holds a profile that the data leave open straight
@@ -80,7 +81,7 @@ def fit_road_surface(
     )
     rows, path = v_disparity_path(histogram)
     n = (first + ROW_STEP * rows - camera.cy) / PIXELS
-    profile = ransac_parabola(np.asarray(n), path, config.residual_threshold, config.max_trials, rng)
+    profile = ransac_parabola(np.asarray(n), path, config.residual_threshold, MAX_TRIALS, rng)
     if profile is None:
         return None
     b = np.append(profile.coefficients, 0.0)

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The lane lines along one axis of the road: view from above, graph, paths, lines, evidence, choice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.birds_eye import birds_eye_view
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, LanePath
+from lane_dp_ros.core.lane_evidence import line_evidence
+from lane_dp_ros.core.lane_graph import build_graph
+from lane_dp_ros.core.lane_model import fit_line
+from lane_dp_ros.core.lane_selection import is_paint, select_lanes
+from lane_dp_ros.core.line_extension import extend_line
+from lane_dp_ros.core.parallel_lines import parallel_lines
+from lane_dp_ros.core.path_search import find_paths
+from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.stopwatch import Stopwatch
+
+Judged = tuple[LaneLine, LaneEvidence]
+
+
+@dataclass(frozen=True)
+class RoadPicture:
+    """The grey left image (H, W) and its disparity (H, W) [px]; for the others see `BirdsEyeView`."""
+
+    image: NDArray[np.uint8]
+    disparity: NDArray[np.float32]
+    surface: RoadSurface
+    ground: RoadSurface
+
+
+@dataclass(frozen=True)
+class LaneSearch:
+    """What was found along one axis: all candidates, each with its evidence, and those that are lanes."""
+
+    view: BirdsEyeView
+    graph: LaneGraph
+    paths: tuple[LanePath, ...]
+    candidates: tuple[Judged, ...]
+    lanes: tuple[Judged, ...]
+
+    @property
+    def score(self) -> float:
+        """Net metres of paint of all lanes."""
+        return sum(line.score for line, _ in self.lanes)
+
+
+def search_lanes(
+    picture: RoadPicture, axis: RoadAxis, config: DetectorConfig, rng: np.random.Generator, watch: Stopwatch
+) -> LaneSearch:
+    """Return the lane lines along `axis`; `watch` takes the time of each step."""
+    with watch("birds_eye"):
+        view = birds_eye_view(
+            picture.image, picture.disparity, picture.surface, axis, config.birds_eye, picture.ground
+        )
+    with watch("lane_graph"):
+        graph = build_graph(view, config.lane_graph)
+    with watch("path_search"):
+        paths = tuple(find_paths(graph, view.resolution, config.path_search))
+    with watch("lane_model"):
+        fitted = [fit_line(path, view, graph, config.lane_model, rng) for path in paths]
+        lines = [line for line in fitted if line is not None]
+        if config.path_search.free_ends:
+            lines = [extend_line(line, view, graph) for line in lines]
+    with watch("lane_selection"):
+        candidates = tuple((line, line_evidence(line, view, graph)) for line in lines)
+        lanes = _chosen(candidates, view, graph, config) if config.lane_selection.evidence else candidates
+    return LaneSearch(view, graph, paths, candidates, lanes)
+
+
+def _chosen(
+    candidates: Sequence[Judged], view: BirdsEyeView, graph: LaneGraph, config: DetectorConfig
+) -> tuple[Judged, ...]:
+    """Return the candidates that are lanes, and faint lines beside them that a second look finds."""
+    selection, bend = config.lane_selection, view.axis.curvature
+    painted = [each for each in candidates if is_paint(*each, selection, bend)]
+    lines, evidence = [line for line, _ in painted], [evidence for _, evidence in painted]
+    kept = select_lanes(lines, evidence, selection)
+    for line in parallel_lines([lines[i] for i in kept], view, graph, selection):
+        found = line_evidence(line, view, graph)
+        if is_paint(line, found, selection, bend):
+            lines.append(line)
+            evidence.append(found)
+    kept = select_lanes(lines, evidence, selection, kept)
+    return tuple((lines[i], evidence[i]) for i in kept)

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Go on with a line behind a gap: to the next dash, as far as there is paint where the line points to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine
+from lane_dp_ros.core.lane_model import polynomial_fit
+
+Floats = NDArray[np.float64]
+
+GAP_MAX = 12.0  # m between two dashes, the longest in use (motorways: 6 m of paint, 12 m of gap)
+DASH_MIN = 0.5  # m of paint; the rest of a dash may lie outside the view
+LOOK_BACK = 8.0  # m at the end of a line that tell where it points to
+PAINTED = 0.5  # weight of the paint's centre
+BLANK_COST = 0.15  # m of paint that a metre of gap costs
+NEAR, FAR = 0, -1  # the ends of a line
+
+
+def extend_line(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneLine:
+    """Return the line, extended at both ends over gaps of at most `GAP_MAX` to further paint.
+
+    What it gains in score is the paint less what the gap costs; a gap never takes score away.
+    """
+    for end in (FAR, NEAR):
+        while (longer := _to_next_dash(line, end, view, graph)) is not None:
+            line = longer
+    return line
+
+
+def _to_next_dash(line: LaneLine, end: int, view: BirdsEyeView, graph: LaneGraph) -> LaneLine | None:
+    """Return the line with the next dash beyond its `end`, fitted anew; None where there is none."""
+    per_row, per_column = view.resolution
+    rows = _rows_beyond(line, end, view)
+    n = line.n[end] + _slope(line, end) * (view.s[rows] - line.s[end])
+    _, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
+    painted = (weight > PAINTED) & (n > view.n[0]) & (n < view.n[-1])
+    dash = _first_run(painted, round(DASH_MIN / per_row))
+    if dash is None or dash[0] * per_row > GAP_MAX:
+        return None
+    first, last = dash
+    rows, n = rows[:last], n[:last]
+    if end == FAR:
+        rows, n = np.concatenate([line.rows, rows]), np.concatenate([line.n, n])
+    else:
+        rows, n = np.concatenate([rows[::-1], line.rows]), np.concatenate([n[::-1], line.n])
+    centre, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
+    fitted, bend = polynomial_fit(view.s[rows], centre, weight)
+    gain = (last - first - BLANK_COST * last) * per_row
+    return LaneLine(rows, view.s[rows], fitted, bend, line.score + max(gain, 0.0))
+
+
+def _rows_beyond(line: LaneLine, end: int, view: BirdsEyeView) -> NDArray[np.intp]:
+    """Return the rows of the view beyond an end of a line, the nearest to the line first."""
+    if end == FAR:  # the far rows of a view come first
+        return np.arange(line.rows[FAR] - 1, -1, -1)
+    return np.arange(line.rows[NEAR] + 1, len(view.s))
+
+
+def _slope(line: LaneLine, end: int) -> float:
+    """Return lateral over forward where a line ends."""
+    last = np.abs(line.s - line.s[end]) <= LOOK_BACK
+    return float(np.polyfit(line.s[last], line.n[last], 1)[0])
+
+
+def _first_run(painted: NDArray[np.bool_], shortest: int) -> tuple[int, int] | None:
+    """Return the first row of the first run of at least `shortest` painted rows, and the row after it."""
+    change = np.flatnonzero(np.diff(np.concatenate([[0], painted.astype(int), [0]])))
+    runs = change.reshape(-1, 2)
+    long = runs[runs[:, 1] - runs[:, 0] >= max(shortest, 1)]
+    return (int(long[0, 0]), int(long[0, 1])) if len(long) else None
