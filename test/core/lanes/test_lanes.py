@@ -14,7 +14,10 @@ CAMERA_HEIGHT = 1.65  # m, of painted roads
 
 
 def evidence(paint_width=0.15):
-    return LaneEvidence(paint_width, 0.4, 0.0, 0.0, 0.05, 0.5, 10.0)
+    return LaneEvidence(
+        paint_width, 0.4, height=0.0, step=0.0, slope=0.0, roughness=0.05, contrast=0.5, brightness=0.5,
+        run=10.0, dashes=1,
+    )  # fmt: skip
 
 
 def line_at(view, n, score=10.0, bend=0.0):

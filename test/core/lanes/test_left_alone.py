@@ -17,7 +17,16 @@ from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road, render_pair
 from lane_dp_ros.tools.scenes.road import SOLID, UNPAINTED
 
 PAINT = LaneEvidence(
-    paint_width=0.15, breadth=0.4, height=0.0, slope=0.01, roughness=0.03, brightness=0.6, run=20.0
+    paint_width=0.15,
+    breadth=0.4,
+    height=np.nan,  # as it is without a right picture
+    step=0.0,
+    slope=0.01,
+    roughness=0.03,
+    contrast=0.6,
+    brightness=0.6,
+    run=20.0,
+    dashes=1,
 )
 
 
