@@ -7,14 +7,39 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lane_dp_ros.core import lane_selection
 from lane_dp_ros.core.config import LaneSelectionConfig
 from lane_dp_ros.core.data import LaneEvidence, LaneLine
 from lane_dp_ros.core.lane_selection import is_paint, lateral_gap, select_lanes
 
 CONFIG = LaneSelectionConfig()
 GOOD = LaneEvidence(
-    paint_width=0.15, breadth=0.4, height=0.0, slope=0.02, roughness=0.05, brightness=0.5, run=10.0
+    paint_width=0.15,
+    breadth=0.4,
+    height=0.0,
+    step=0.0,
+    slope=0.02,
+    roughness=0.05,
+    contrast=0.5,
+    brightness=0.5,
+    run=10.0,
+    dashes=1,
 )
+PALE = replace(GOOD, contrast=lane_selection.KERB_CONTRAST - 0.01)
+DASHED = {"run": lane_selection.UNBROKEN - 0.1, "dashes": 3}
+UNBROKEN = {"run": lane_selection.UNBROKEN, "dashes": 1}
+ABOVE_KERB = {
+    "step": lane_selection.KERB_STEP + 0.01,
+    "paint_width": lane_selection.KERB_WIDTH + 0.01,
+    "height": lane_selection.KERB_HEIGHT + 0.001,
+    "brightness": lane_selection.KERB_BRIGHTNESS - 0.01,
+}
+AT_KERB = {
+    "step": lane_selection.KERB_STEP,
+    "paint_width": lane_selection.KERB_WIDTH,
+    "height": lane_selection.KERB_HEIGHT,
+    "brightness": lane_selection.KERB_BRIGHTNESS,
+}
 
 
 def line(n, score=10.0, first=5.0, last=30.0, slope=0.0):
@@ -22,42 +47,90 @@ def line(n, score=10.0, first=5.0, last=30.0, slope=0.0):
     return LaneLine(np.arange(26), s, n + slope * (s - first), 0.0, score)
 
 
-def selected(*lines, run=10.0, kept=()):
-    return select_lanes(lines, [replace(GOOD, run=run)] * len(lines), CONFIG, kept)
+def painted(evidence, bend=0.0, config=CONFIG):
+    return is_paint(line(1.75), evidence, config, bend)
+
+
+def selected(*lines, kept=(), **evidence):
+    return select_lanes(lines, [replace(GOOD, **evidence)] * len(lines), CONFIG, kept)
 
 
 def test_good_evidence_makes_a_lane():
-    assert is_paint(line(1.75), GOOD, CONFIG, bend=0.0)
+    assert painted(GOOD)
 
 
 @pytest.mark.parametrize(
     ("field", "good", "bad"),
     [
+        ("paint_width", CONFIG.paint_width_min, CONFIG.paint_width_min - 0.01),
         ("paint_width", CONFIG.paint_width_max, CONFIG.paint_width_max + 0.01),
-        ("breadth", CONFIG.breadth_max, CONFIG.breadth_max + 0.01),
+        ("breadth", lane_selection.BREADTH_MAX, lane_selection.BREADTH_MAX + 0.01),
+        ("contrast", CONFIG.contrast_min, CONFIG.contrast_min - 0.01),
         ("height", CONFIG.height_max, CONFIG.height_max + 0.01),
-        ("height", CONFIG.height_min, CONFIG.height_min - 0.01),
         ("slope", CONFIG.slope_max, CONFIG.slope_max + 0.01),
         ("roughness", CONFIG.roughness_max, CONFIG.roughness_max + 0.01),
-        ("brightness", CONFIG.brightness_min, CONFIG.brightness_min - 0.01),
         ("run", CONFIG.run_min, CONFIG.run_min - 0.01),
     ],
 )
 def test_each_piece_of_evidence_can_speak_against_a_line(field, good, bad):
-    assert is_paint(line(1.75), replace(GOOD, **{field: good}), CONFIG, bend=0.0)
-    assert not is_paint(line(1.75), replace(GOOD, **{field: bad}), CONFIG, bend=0.0)
+    assert painted(replace(GOOD, **{field: good}))
+    assert not painted(replace(GOOD, **{field: bad}))
 
 
-@pytest.mark.parametrize(("first", "paint"), [(22.0, True), (22.5, False)])  # start_max: 22 m
+@pytest.mark.parametrize("name", ["paint_width_min", "paint_width_max", "contrast_min", "height_max"])
+def test_the_limits_are_those_of_the_configuration(name):
+    field = name[:-4]
+    turned = getattr(CONFIG, name) * (2 if name.endswith("_min") else 0.5)
+    evidence = replace(GOOD, **{field: getattr(CONFIG, name)})
+    assert painted(evidence)
+    assert not painted(evidence, config=replace(CONFIG, **{name: turned}))
+
+
+def test_a_height_that_is_not_known_speaks_neither_for_nor_against_paint():
+    unknown = replace(GOOD, height=np.nan)
+    assert painted(unknown)
+    assert painted(replace(PALE, height=np.nan))
+    assert not painted(replace(unknown, paint_width=CONFIG.paint_width_max + 0.01))
+
+
+def test_paint_below_the_road_is_paint():
+    """Where the road falls to its sides more than its surface tells."""
+    assert painted(replace(GOOD, height=-0.2))
+
+
+@pytest.mark.parametrize("sign", ABOVE_KERB, ids=str)
+def test_a_pale_stripe_with_one_sign_of_a_kerb_is_a_kerb(sign):
+    assert painted(replace(PALE, **UNBROKEN))
+    assert painted(replace(PALE, **UNBROKEN, **{sign: AT_KERB[sign]}))
+    assert not painted(replace(PALE, **UNBROKEN, **{sign: ABOVE_KERB[sign]}))
+
+
+@pytest.mark.parametrize("sign", ABOVE_KERB, ids=str)
+def test_what_has_contrast_is_no_kerb_whatever_else_it_has(sign):
+    bright = replace(GOOD, contrast=lane_selection.KERB_CONTRAST, **UNBROKEN)
+    assert painted(replace(bright, **{sign: ABOVE_KERB[sign]}))
+
+
+@pytest.mark.parametrize(
+    ("sign", "dashes_are_paint"), [("step", False), *[(s, True) for s in list(ABOVE_KERB)[1:]]]
+)
+def test_of_pale_dashes_only_a_step_makes_a_kerb(sign, dashes_are_paint):
+    assert painted(replace(PALE, **DASHED, **{sign: ABOVE_KERB[sign]})) == dashes_are_paint
+
+
+@pytest.mark.parametrize(
+    ("first", "paint"), [(CONFIG.start_max, True), (CONFIG.start_max + 0.5, False)], ids=["near", "far"]
+)
 def test_what_begins_far_away_is_no_lane(first, paint):
     assert is_paint(line(1.75, first=first), GOOD, CONFIG, bend=0.0) == paint
 
 
 @pytest.mark.parametrize("bend", [-0.02, 0.02])  # 1/m
 def test_lines_may_be_steeper_on_a_bend(bend):
-    steep = replace(GOOD, slope=0.12 + 7 * 0.02 - 0.001)
-    assert is_paint(line(1.75), steep, CONFIG, bend)
-    assert not is_paint(line(1.75), steep, CONFIG, bend=0.0)
+    steepest = CONFIG.slope_max + lane_selection.SLOPE_PER_BEND * 0.02
+    assert painted(replace(GOOD, slope=steepest - 0.001), bend)
+    assert not painted(replace(GOOD, slope=steepest + 0.001), bend)
+    assert not painted(replace(GOOD, slope=steepest - 0.001))
 
 
 def test_a_weak_line_by_itself_is_none_and_a_strong_one_is():
@@ -65,9 +138,42 @@ def test_a_weak_line_by_itself_is_none_and_a_strong_one_is():
     assert selected(line(1.75, score=CONFIG.score_alone)) == [0]
 
 
-@pytest.mark.parametrize(("width", "found"), [(2.3, []), (2.5, [0, 1]), (4.2, [0, 1]), (4.4, [])])
-def test_weak_lines_support_each_other_a_lanes_width_apart(width, found):
-    assert selected(line(0, score=3.0), line(width, score=2.9)) == found
+def test_of_unknown_height_a_line_by_itself_takes_more_paint():
+    enough = lane_selection.UNKNOWN_HEIGHT
+    assert enough > CONFIG.score_alone
+    assert selected(line(1.75, score=enough - 0.1), height=np.nan) == []
+    assert selected(line(1.75, score=enough), height=np.nan) == [0]
+    assert selected(line(1.75, score=enough - 0.1)) == [0]
+    weak = line(-1.75, score=enough - 0.1), line(1.75, score=enough - 0.1)
+    assert selected(*weak, height=np.nan) == [0, 1]  # but not beside another one
+
+
+def test_more_paint_that_a_line_by_itself_is_to_have_holds_for_unknown_heights_too():
+    config = replace(CONFIG, score_alone=lane_selection.UNKNOWN_HEIGHT + 1)
+    weak = [line(1.75, score=lane_selection.UNKNOWN_HEIGHT + 0.5)]
+    assert select_lanes(weak, [replace(GOOD, height=np.nan)], config) == []
+
+
+def test_a_short_piece_by_itself_is_none_but_several_dashes_are():
+    short = lane_selection.LONE_PIECE - 0.1
+    assert selected(line(1.75), run=lane_selection.LONE_PIECE) == [0]
+    assert selected(line(1.75), run=short, dashes=1) == []
+    assert selected(line(1.75), run=short, dashes=2) == [0]
+    assert selected(line(-1.75), line(1.75), run=short, dashes=1) == [0, 1]  # a lane's width apart
+
+
+@pytest.mark.parametrize(
+    ("width", "both"),
+    [
+        (CONFIG.lane_width_min - 0.1, False),
+        (CONFIG.lane_width_min + 0.1, True),
+        (CONFIG.lane_width_max - 0.1, True),
+        (CONFIG.lane_width_max + 0.1, False),
+    ],
+)
+def test_weak_lines_support_each_other_a_lanes_width_apart(width, both):
+    weak = CONFIG.score_alone - 0.1
+    assert selected(line(0, score=weak), line(width, score=weak - 0.1)) == ([0, 1] if both else [])
 
 
 def test_what_has_hardly_any_paint_is_no_lane_even_beside_one():
@@ -75,18 +181,35 @@ def test_what_has_hardly_any_paint_is_no_lane_even_beside_one():
     assert selected(line(-1.75), line(1.75, score=CONFIG.score_min)) == [0, 1]
 
 
-@pytest.mark.parametrize(("score", "run", "found"), [(5.9, 20.0, [0]), (6.1, 7.9, [0]), (6.1, 8.1, [0, 1])])
-def test_an_arrow_in_the_middle_of_a_lane_is_no_line(score, run, found):
-    lines = [line(-1.75), line(0.0, score=score)]
-    assert select_lanes(lines, [GOOD, replace(GOOD, run=run)], CONFIG) == found
+@pytest.mark.parametrize(
+    ("score", "run", "dashes", "is_line"),
+    [
+        (-0.1, 20.0, 9, False),
+        (0.1, lane_selection.LONG_PIECE, 1, True),  # one long piece
+        (0.1, lane_selection.LONG_PIECE - 0.1, lane_selection.DASHES - 1, False),
+        (0.1, 3.0, lane_selection.DASHES, True),  # a dashed line
+    ],
+)
+def test_an_arrow_in_the_middle_of_a_lane_is_no_line(score, run, dashes, is_line):
+    """Dashes one behind the other are more than an arrow, and so is a long piece; each with enough paint."""
+    lines = [line(-1.75), line(0.0, score=lane_selection.STRONG + score)]
+    evidence = [GOOD, replace(GOOD, run=run, dashes=dashes)]
+    assert select_lanes(lines, evidence, CONFIG) == ([0, 1] if is_line else [0])
 
 
 def test_the_arrow_is_the_weaker_one_whatever_the_order():
-    assert selected(line(0.0, score=5.0), line(-1.75)) == [1]
+    assert selected(line(0.0, score=lane_selection.STRONG - 1), line(-1.75)) == [1]
 
 
 def test_a_double_line_is_two_lines():
     assert selected(line(-1.75), line(-1.45, score=5.0)) == [0, 1]
+    assert selected(line(-1.75), line(-1.75 + lane_selection.BESIDE, score=5.0)) == [0, 1]
+
+
+def test_the_same_line_found_twice_is_one():
+    for aside in (-lane_selection.SAME, 0.0, lane_selection.SAME - 0.01):
+        assert selected(line(-1.75, score=5.0), line(-1.75 + aside)) == [1]
+    assert selected(line(-1.75, score=5.0), line(-1.74 + lane_selection.SAME)) == [1, 0]
 
 
 def test_the_strongest_comes_first():
