@@ -9,7 +9,8 @@ import pytest
 
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import LaneGraphConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneGraph
+from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine
+from lane_dp_ros.core.lane_evidence import line_evidence
 from lane_dp_ros.core.lane_graph import band_graph
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 
@@ -75,3 +76,17 @@ class PaintedRoad:
 def painted_road() -> Callable[..., PaintedRoad]:
     """Return the maker of roads to paint on."""
     return PaintedRoad
+
+
+@pytest.fixture
+def evidence_of() -> Callable[..., LaneEvidence]:
+    """Return a function: the evidence for a line on a road at n [m], from s = first to last."""
+
+    def evidence_of(road, course=1.025, first=0.0, last=100.0):
+        view, graph = road.bands()
+        rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
+        s = view.s[rows]
+        n = course(s) if callable(course) else np.full(len(s), course)
+        return line_evidence(LaneLine(rows, s, n, bend=0.0, score=10.0), view, graph)
+
+    return evidence_of

@@ -182,7 +182,7 @@ def test_pictures_of_a_bag(tmp_path, scene_pairs, write_stereo_bag):
     assert titles[:2] == ["Left image", "From above"] and re.fullmatch(r"Cost, \d+ paths?", titles[2])
     assert parsed.count("polyline", "path") >= 2
     images = [jpeg(attributes["src"]) for tag, attributes, _ in parsed.all if tag == "img"]
-    assert [image.shape[:2] for image in images[:3]] == [(375, 1242), (600, 300), (600, 300)]
+    assert [image.shape[:2] for image in images[:3]] == [(375, 1242), (600, 320), (600, 320)]
     shown = [np.mean(cv2.absdiff(images[0], pair.left)) for pair in scene_pairs[:2]]
     assert min(shown) < 4 and max(shown) > 8  # it is one of them, as JPEG
     assert path.stat().st_size < 2 * 400_000
