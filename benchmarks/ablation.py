@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ import numpy as np
 from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import BirdsEyeView, RoadEdges
+from lane_dp_ros.core.data import BirdsEyeView, LaneLine, RoadEdges
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis
 from lane_dp_ros.tools.convert import progress
@@ -31,6 +31,7 @@ from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.summary import summarise
 
 CORE = "lane_dp_ros.core"
+SELECTION = f"{CORE}.lane_selection"
 ANY = 1e9  # a limit that nothing exceeds
 TEXTURE = 5.0  # grey levels: that of ordinary asphalt
 
@@ -50,9 +51,23 @@ def yes(*_: object) -> bool:
     return True
 
 
+def unextended(line: LaneLine, *_: object) -> LaneLine:
+    """Take a line as far as its path goes."""
+    return line
+
+
+def nothing(*_: object) -> None:
+    """Look along no other axis."""
+
+
+def no_lines(*_: object) -> list[LaneLine]:
+    """Find no faint lines."""
+    return []
+
+
 def unfiltered(_pipeline: object, answer: Any, *_: object) -> Any:
     """Take each pair's own road."""
-    return answer
+    return replace(answer, road_profile="measured")
 
 
 @dataclass(frozen=True)
@@ -74,34 +89,53 @@ ABLATIONS = (
         f"{CORE}.lane_detector.road_axis": straight_ahead}),
     Ablation("the paper's dense vanishing point", {"vanishing_point.method": "dense"}),
     Ablation("direction by sum h instead of sum h^3", patches={f"{CORE}.road_direction.SHARPNESS": 1}),
+    Ablation("no second look along an axis turned by the paint", patches={
+        f"{CORE}.lane_detector.turned_axis": nothing}),
+    Ablation("one sample for each cell, not the mean over it", patches={
+        f"{CORE}.birds_eye.SAMPLES": (1, 1)}),
+    Ablation("no height mask", {"birds_eye.height_tolerance": 1.0}),
     Ablation("the paper's feature: edges and grey", {"lane_graph.feature": "edges_and_grey"}),
     Ablation("no texture normalisation", patches={f"{CORE}.lane_graph.road_texture": even_texture}),
     Ablation("one paint width (0.15 m)", patches={f"{CORE}.lane_graph.PAINT_WIDTHS": (0.15,)}),
-    Ablation("no height mask", {"birds_eye.height_tolerance": 1.0}),
     Ablation("the paper's Algorithm 2, bottom to top", {"path_search.free_ends": False}),
     Ablation("no memory of slope: bends cost nothing", patches={f"{CORE}.path_search.BEND_COST": 0.0}),
+    Ablation("slope costs nothing", patches={f"{CORE}.path_search.SLOPE_COST": 0.0}),
+    Ablation("one pass of the path search", patches={f"{CORE}.path_search.FREE_PASSES": 1}),
     Ablation("suppression of +-1 m", {"path_search.suppression": 1.0}),
     Ablation("the paper's parabola by RANSAC", {"lane_model.model": "parabola"}),
     Ablation("robust parabola instead of cubic", patches={f"{CORE}.lane_model.CUBIC_LENGTH": ANY}),
-    Ablation("no height test", {"lane_selection.height_min": -1.0, "lane_selection.height_max": 1.0}),
-    Ablation("no width test", {"lane_selection.paint_width_max": 1.0}),
-    Ablation("no breadth test", {"lane_selection.breadth_max": 5.0}),
+    Ablation("dashes not followed over gaps", patches={f"{CORE}.lane_search.extend_line": unextended}),
+    Ablation("no height test", {"lane_selection.height_max": 1.0}),
+    Ablation("no test of the least width", {"lane_selection.paint_width_min": 0.0}),
+    Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),
+    Ablation("no breadth test", patches={f"{SELECTION}.BREADTH_MAX": ANY}),
+    Ablation("no contrast test", {"lane_selection.contrast_min": -1.0}),
+    Ablation("no signs of kerbs", patches={f"{SELECTION}.KERB_CONTRAST": -ANY}),
+    Ablation("kerbs: no step test", patches={f"{SELECTION}.KERB_STEP": ANY}),
+    Ablation("kerbs: no width test", patches={f"{SELECTION}.KERB_WIDTH": ANY}),
+    Ablation("kerbs: no height test", patches={f"{SELECTION}.KERB_HEIGHT": ANY}),
+    Ablation("kerbs: no brightness test", patches={f"{SELECTION}.KERB_BRIGHTNESS": -ANY}),
+    Ablation("kerbs: signs count for dashes, too", patches={f"{SELECTION}.UNBROKEN": 0.0}),
     Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
+    Ablation("slope test no laxer in bends", patches={f"{SELECTION}.SLOPE_PER_BEND": 0.0}),
     Ablation("no roughness test", {"lane_selection.roughness_max": 1.0}),
-    Ablation("no brightness test", {"lane_selection.brightness_min": -1.0}),
     Ablation("no test of the longest piece", {"lane_selection.run_min": 0.0}),
     Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
     Ablation("no mid-lane rule", patches={
-        f"{CORE}.lane_selection.STRONG_ALONE": 0.0, f"{CORE}.lane_selection.LONG_PAINT": 0.0}),
-    Ablation("weak lines need no partner", {"lane_selection.score_alone": 0.5}),
+        f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0}),
+    Ablation("mid-lane rule: dashes do not count", patches={f"{SELECTION}.DASHES": ANY}),
+    Ablation("weak lines need no partner", {"lane_selection.score_alone": 0.5}, {
+        f"{SELECTION}.UNKNOWN_HEIGHT": 0.0, f"{SELECTION}.LONE_PIECE": 0.0}),
+    Ablation("unknown height asks for no more paint", patches={f"{SELECTION}.UNKNOWN_HEIGHT": 0.0}),
+    Ablation("a short piece may stand by itself", patches={f"{SELECTION}.LONE_PIECE": 0.0}),
     Ablation("no tests at all, only 4 m of paint", {
         "lane_selection.score_min": 4.0, "lane_selection.score_alone": 4.0,
-        "lane_selection.second_look": False,
     }, {
-        f"{CORE}.lane_detector.is_paint": yes,
-        f"{CORE}.lane_selection.STRONG_ALONE": 0.0, f"{CORE}.lane_selection.LONG_PAINT": 0.0,
+        f"{CORE}.lane_search.is_paint": yes, f"{CORE}.lane_search.parallel_lines": no_lines,
+        f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0,
+        f"{SELECTION}.UNKNOWN_HEIGHT": 0.0, f"{SELECTION}.LONE_PIECE": 0.0,
     }),
-    Ablation("no second look", {"lane_selection.second_look": False}),
+    Ablation("no second look for parallel lines", patches={f"{CORE}.lane_search.parallel_lines": no_lines}),
     Ablation("no tracker", {"tracking.enabled": False}),
     Ablation("short losses not bridged", {"tracking.bridge_time": 0.0}),
 )  # fmt: skip

@@ -25,12 +25,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core import lane_detector
+from lane_dp_ros.core import lane_detector, lane_search
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.parameter import Parameters
+from lane_dp_ros.core.road import RoadAxis
 from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline
 from lane_dp_ros.tools.evaluation import FrameResult
 from lane_dp_ros.tools.judging import judge, judge_unpainted
@@ -41,7 +42,14 @@ from lane_dp_ros.tools.labels import LabelledFrame
 Image = NDArray[np.uint8]
 
 UNPAINTED = "kitti_odometry/06"  # a whole sequence without paint: any line is false
-REMEMBERED = 64  # calls per frame; the detector makes about forty
+REMEMBERED = 200  # calls per frame; the detector makes about fifty, or twice that along a second axis
+
+CALLERS = lane_detector, lane_search
+# Quick, and full of constants that thresholds.py changes; or they only call functions that remember.
+ALWAYS_RUN = {
+    f"lane_dp_ros.core.{module}"
+    for module in ("lane_detector", "lane_search", "lane_selection", "turned_axis", "lanes", "left_alone")
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,14 +198,14 @@ class Memory:
     @contextmanager
     def in_use(self) -> Iterator[None]:
         """Let the detector's functions remember as long as the block lasts."""
-        stages = {
-            name: function
-            for name, function in vars(lane_detector).items()
-            if inspect.isfunction(function) and function.__module__ != lane_detector.__name__
-            and function.__module__.startswith("lane_dp_ros.core.")
-        }  # fmt: skip
-        prefix = lane_detector.__name__
-        with patched({f"{prefix}.{name}": self._remembering(f) for name, f in stages.items()}):
+        with patched(
+            {
+                f"{caller.__name__}.{name}": self._remembering(function)
+                for caller in CALLERS
+                for name, function in vars(caller).items()
+                if inspect.isfunction(function) and _is_remembered(function)
+            }
+        ):
             yield
 
     def _remembering(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -217,10 +225,16 @@ class Memory:
         return remembering
 
 
+def _is_remembered(function: Callable[..., Any]) -> bool:
+    return function.__module__.startswith("lane_dp_ros.core.") and function.__module__ not in ALWAYS_RUN
+
+
 def _identity(value: Any) -> Any:
     """Return what tells an argument apart from others."""
     if isinstance(value, np.random.Generator):
         return None
-    if isinstance(value, (Parameters, StereoCamera, bool, int, float, str, type(None))):
+    if isinstance(value, (list, tuple)):
+        return tuple(_identity(each) for each in value)
+    if isinstance(value, (Parameters, StereoCamera, RoadAxis, bool, int, float, str, type(None))):
         return value
     return "id", id(value)

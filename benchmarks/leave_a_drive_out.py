@@ -3,8 +3,9 @@
 """How good the detector is on a drive that did not take part in choosing its thresholds.
 
 python benchmarks/leave_a_drive_out.py DATA [--suite DIR] [--jobs N]
-DATA: the labelled KITTI frames. For each drive, the thresholds below are chosen on all other drives, and
-the drive is judged with them. --suite: choose on one frame of each category of these scenes, too.
+DATA: the labelled KITTI frames. For each drive, the thresholds of thresholds.py - parameters and constants -
+are chosen on all other drives, and the drive is judged with them. --suite: choose on one frame of each
+category of these scenes, too.
 
 A threshold's grid is what is physically plausible. The search begins in the middle of every grid, not at the
 defaults, and goes through the thresholds in turn; of values that are equally good it takes the middle one.
@@ -21,37 +22,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs
+from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs, patched
+from thresholds import THRESHOLDS, changed, shipped
 
-from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.tools.errors import CommandError, one_line
 from lane_dp_ros.tools.evaluation import Summary
 from lane_dp_ros.tools.evaluation_text import COLUMNS, table
 from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.summary import summarise
 
-SEARCHED: dict[str, Sequence[float]] = {
-    "lane_selection.score_min": (1.0, 2.0, 3.0, 4.0, 5.0),  # m
-    "lane_selection.score_alone": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
-    "lane_selection.run_min": (0.5, 1.0, 2.0, 3.0, 4.0),  # m
-    "lane_selection.start_max": (12.0, 16.0, 20.0, 24.0, 28.0),  # m
-    "lane_selection.paint_width_max": (0.24, 0.30, 0.36, 0.42, 0.48),  # m
-    "lane_selection.breadth_max": (0.6, 0.75, 0.9, 1.05, 1.2),
-    "lane_selection.height_min": (-0.20, -0.15, -0.10, -0.07, -0.04),  # m
-    "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
-    "lane_selection.slope_max": (0.06, 0.10, 0.15, 0.20, 0.30),
-    "lane_selection.slope_per_bend": (0.0, 4.0, 8.0, 12.0, 16.0),  # m
-    "lane_selection.roughness_max": (0.10, 0.15, 0.20, 0.25, 0.30),
-    "lane_selection.brightness_min": (-0.3, -0.2, -0.1, 0.0, 0.1),
-    "lane_selection.beside_max": (0.4, 0.6, 0.8, 1.0, 1.2),  # m
-    "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
-    "lane_selection.lane_width_max": (3.75, 4.0, 4.25, 4.5, 5.0),  # m
-    "path_search.min_score": (0.5, 1.0, 2.0, 3.0, 4.0),  # m
-    "path_search.blank_cost": (0.05, 0.10, 0.20, 0.30, 0.40),
-    "lane_graph.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),
-    "lane_graph.contrast_max": (1.8, 2.4, 3.0, 3.6, 4.2),
-}
 ROUNDS = 2  # through all of them, at most
 AS_GOOD = 0.001  # of the objective
 STEREO_DRIVES = (  # first and last number of the frames; no mapping to raw drives comes with them
@@ -66,7 +45,7 @@ STEREO_DRIVES = (  # first and last number of the frames; no mapping to raw driv
 )
 SUITE = "suite"  # the drive of the scenes; never judged
 
-Values = tuple[float, ...]  # in the order of SEARCHED
+Values = tuple[float, ...]  # in the order of THRESHOLDS
 Scores = Mapping[str, Summary]  # by drive
 
 
@@ -92,13 +71,13 @@ class Search:
     def scored(self, values: Values) -> Scores:
         """Return the summary of each drive with these thresholds."""
         if values not in self.scores:
-            self.scores[values] = self._judged(config_of(values))
+            self.scores[values] = self._judged(values)
             if sys.stderr.isatty():
                 print(f"\r{len(self.scores)} sets of thresholds", end="", file=sys.stderr, flush=True)
         return self.scores[values]
 
-    def _judged(self, config: DetectorConfig) -> Scores:
-        results = self.judges.results(config)
+    def _judged(self, values: Values) -> Scores:
+        results = self.judges.results(*changed(named(values)))
         names = dict.fromkeys(self.drives.values())
         return {name: summarise(r for r in results if self.drives[r.name] == name) for name in names}
 
@@ -115,7 +94,7 @@ class Search:
 
     def _best_along(self, i: int, values: Values, drives: Sequence[str]) -> Values:
         """Return the thresholds with the best of the values of number i, of equally good ones the middle."""
-        tried = [(*values[:i], value, *values[i + 1 :]) for value in list(SEARCHED.values())[i]]
+        tried = [(*values[:i], value, *values[i + 1 :]) for value in list(THRESHOLDS.values())[i]]
         quality = [objective([self.scored(each)[drive] for drive in drives]) for each in tried]
         good = [each for each, q in zip(tried, quality, strict=True) if q >= max(quality) - AS_GOOD]
         return good[len(good) // 2]
@@ -123,12 +102,18 @@ class Search:
 
 def middle() -> Values:
     """Return the middle of every grid."""
-    return tuple(statistics.median_low(grid) for grid in SEARCHED.values())
+    return tuple(statistics.median_low(grid) for grid in THRESHOLDS.values())
 
 
-def config_of(values: Values) -> DetectorConfig:
-    """Return the defaults with these thresholds. Raises ValueError for a name that is no parameter."""
-    return replaced(DetectorConfig(), dict(zip(SEARCHED, values, strict=True)))
+def named(values: Values) -> dict[str, float]:
+    """Return the values by the names of their thresholds."""
+    return dict(zip(THRESHOLDS, values, strict=True))
+
+
+def check() -> None:
+    """Raise ValueError or AttributeError for a threshold that is gone, before all the work."""
+    with patched(changed(named(middle()))[1]):
+        pass
 
 
 def objective(summaries: Iterable[Summary]) -> float:
@@ -146,7 +131,7 @@ def objective(summaries: Iterable[Summary]) -> float:
 
 def run(arguments: argparse.Namespace) -> None:
     """Search once for each drive, and print."""
-    config_of(middle())  # an unknown name fails here, before all the work
+    check()
     pairs = kitti_pairs(arguments.data)
     drives = {pair.name: drive_of(pair) for pair in pairs}
     if arguments.suite:
@@ -159,7 +144,7 @@ def run(arguments: argparse.Namespace) -> None:
         search = Search(judges, drives)
         chosen = {name: search.best(n for n in dict.fromkeys(drives.values()) if n != name) for name in names}
         left_out = {name: search.scored(values)[name] for name, values in chosen.items()}
-        defaults = search.scored(tuple(float(parameters(DetectorConfig())[n].default) for n in SEARCHED))
+        defaults = search.scored(tuple(shipped(name) for name in THRESHOLDS))
     print(f"{len(search.scores)} sets of thresholds were judged\n")
     report(left_out, {name: defaults[name] for name in names}, chosen)
 
@@ -173,12 +158,11 @@ def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> 
     error = sum(left_out.values(), Summary()).localisation_error
     print(f"localisation error with the drive left out: {error:.3f} m")
     print(f"lines on the frames of {UNPAINTED}: {left_out[UNPAINTED].false_lanes}\n")
-    shipped = parameters(DetectorConfig())
     print("How often each value was chosen (grid: times), and the default:")
-    for i, (name, grid) in enumerate(SEARCHED.items()):
+    for i, (name, grid) in enumerate(THRESHOLDS.items()):
         times = Counter(values[i] for values in chosen.values())
         counts = "  ".join(f"{value:g}: {times[value]}" for value in grid)
-        print(f"{name:34s} {counts}  (default {shipped[name].default:g})")
+        print(f"{name:34s} {counts}  (default {shipped(name):g})")
 
 
 def main() -> int:
@@ -189,7 +173,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
     try:
         run(parser.parse_args())
-    except (CommandError, ValueError, OSError) as error:
+    except (CommandError, ValueError, AttributeError, OSError) as error:
         print(one_line(error), file=sys.stderr)
         return 1
     return 0

@@ -4,38 +4,38 @@
 
 python benchmarks/what_hinders.py DATA [SUITE] [--jobs N]
 DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Where labels are not found, each
-threshold of the stages from the lane graph on is set to the lowest and the highest value that it may have,
-one at a time. Printed is for each of these labels with which of them it would be found. With none,
-several tests speak against it, or the road's direction or surface is wrong.
+threshold of thresholds.py is set to the lowest and the highest value there, one at a time. Printed is for
+each of these labels with which of them it would be found. With none, several tests speak against it, or the
+road's direction or surface is wrong.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from judged_set import JudgedPair, Judges, kitti_pairs, labelled_pairs
+from thresholds import THRESHOLDS, changed
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.tools.convert import progress
 from lane_dp_ros.tools.errors import CommandError, one_line
 from lane_dp_ros.tools.evaluation import FrameResult
 from lane_dp_ros.tools.parallel import available_cpus
 
-STAGES = ("lane_graph.", "path_search.", "lane_selection.")
+Change = tuple[DetectorConfig, Mapping[str, Any]]
 
 
-def extremes() -> Iterator[tuple[str, DetectorConfig]]:
-    """Yield each threshold at either limit, by what it says, with the configuration."""
-    for name, spec in parameters(DetectorConfig()).items():
-        if name.startswith(STAGES) and isinstance(spec.default, float):
-            for value in (spec.minimum, spec.maximum):
-                with suppress(ValueError):  # contradicts another one, such as a width more than the greatest
-                    yield f"{name} {value:g}", replaced(DetectorConfig(), {name: value})
+def extremes() -> Iterator[tuple[str, Change]]:
+    """Yield each threshold at either limit, by what it says, with the configuration and the constants."""
+    for name, grid in THRESHOLDS.items():
+        for value in (min(grid), max(grid)):
+            with suppress(ValueError):  # contradicts another one, such as a width more than the greatest
+                yield f"{name} {value:g}", changed({name: value})
 
 
 def not_found(result: FrameResult) -> list[str]:
@@ -55,8 +55,8 @@ def run(arguments: argparse.Namespace) -> None:
     changes = list(extremes())
     after: dict[str, dict[str, FrameResult]] = {pair.name: {} for pair in failing}
     with Judges(failing, arguments.jobs, remember=True) as judges:
-        for name, config in progress(iter(changes), len(changes), "change"):
-            for result in judges.results(config):
+        for name, change in progress(iter(changes), len(changes), "change"):
+            for result in judges.results(*change):
                 after[result.name][name] = result
     for pair in failing:
         for label in not_found(before[pair.name]):

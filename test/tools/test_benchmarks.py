@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
+from lane_dp_ros.core import lane_selection
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.tools.evaluation import Summary
@@ -22,6 +23,7 @@ import ablation
 import calibrate_confidence
 import judged_set
 import leave_a_drive_out
+import thresholds
 import what_hinders
 
 GOOD = Summary(frames=10, ego_labels=20, missed=1, labels=40, matched=38, detections=39, false_lanes=1)
@@ -93,6 +95,16 @@ def test_what_is_remembered_changes_no_verdict(pairs):
             np.testing.assert_array_equal(one.points, other.points)
 
 
+def test_what_is_remembered_does_not_hide_a_constant(pairs):
+    memory = judged_set.Memory()
+    counts = []
+    for breadth in (thresholds.shipped("lane_selection.BREADTH_MAX"), -1e9):
+        config, patches = thresholds.changed({"lane_selection.BREADTH_MAX": breadth})
+        with judged_set.patched(patches), memory.in_use():
+            counts.append(len(pairs[0].detected(config).lanes))
+    assert counts == [3, 0]
+
+
 def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
     memory = judged_set.Memory()
     calls = []
@@ -114,12 +126,32 @@ def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
 
 
 def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
-    config = parameters(leave_a_drive_out.config_of(leave_a_drive_out.middle()))
-    for name, grid in leave_a_drive_out.SEARCHED.items():
+    start = leave_a_drive_out.named(leave_a_drive_out.middle())
+    for name, grid in thresholds.THRESHOLDS.items():
         assert list(grid) == sorted(set(grid)) and len(grid) % 2 == 1, name
-        assert config[name].default == grid[len(grid) // 2]
+        assert start[name] == grid[len(grid) // 2]
+        assert grid[0] <= thresholds.shipped(name) <= grid[-1]
         for value in grid:
-            config[name].checked(value)
+            with judged_set.patched(thresholds.changed({name: value})[1]):
+                assert not thresholds.is_constant(name) or thresholds.shipped(name) == value
+
+
+def test_every_number_that_selects_lanes_is_searched():
+    of = "lane_selection."
+    constants = {of + name for name in vars(lane_selection) if name.isupper()}
+    numbers = {
+        name
+        for name, spec in parameters(DetectorConfig()).items()
+        if name.startswith(of) and isinstance(spec.default, float)
+    }
+    assert {name for name in thresholds.THRESHOLDS if name.startswith(of)} == constants | numbers
+
+
+def test_a_threshold_that_is_gone_is_said_at_the_start(monkeypatch):
+    for name, error in (("lane_selection.GONE", AttributeError), ("lane_selection.gone", ValueError)):
+        monkeypatch.setattr(leave_a_drive_out, "THRESHOLDS", {name: (1.0,)})
+        with pytest.raises(error, match=r"gone|GONE"):
+            leave_a_drive_out.check()
 
 
 def test_the_objective_falls_with_every_kind_of_error():
@@ -139,7 +171,7 @@ def test_the_objective_falls_with_every_kind_of_error():
 def test_the_search_takes_the_middle_of_what_is_best_on_the_other_drives():
     search = leave_a_drive_out.Search(None, {"a": "one", "b": "two"})
     start = leave_a_drive_out.middle()
-    grid = leave_a_drive_out.SEARCHED[next(iter(leave_a_drive_out.SEARCHED))]
+    grid = thresholds.THRESHOLDS[next(iter(thresholds.THRESHOLDS))]
     missed = {"one": (5, 5, 5, 5, 0), "two": (3, 0, 0, 0, 3)}
     for i, value in enumerate(grid):
         scores = {drive: replace(GOOD, missed=counts[i]) for drive, counts in missed.items()}
@@ -193,12 +225,13 @@ def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsy
 
 def test_each_threshold_is_tried_at_both_limits_that_go_with_the_others():
     tried = dict(what_hinders.extremes())
-    assert len(tried) > 20 and all(name.startswith(what_hinders.STAGES) for name in tried)
-    assert tried["path_search.suppression 2"].path_search.suppression == 2.0
+    assert len(tried) > 20
+    assert tried["path_search.min_score 1"][0].path_search.min_score == 1.0
+    assert tried["lane_selection.KERB_STEP 0.05"][1] == {"lane_dp_ros.core.lane_selection.KERB_STEP": 0.05}
 
 
 def test_a_label_that_is_not_found_is_named(pairs):
-    blind = replaced(DetectorConfig(), {"path_search.min_score": 20.0, "lane_selection.second_look": False})
+    blind = replaced(DetectorConfig(), {"path_search.min_score": 20.0, "lane_selection.score_min": 20.0})
     labels = [label.id for label in pairs[0].frame.labels]
     assert what_hinders.not_found(pairs[0].judged(pairs[0].detected(DetectorConfig()).lanes)) == []
     found = what_hinders.not_found(pairs[0].judged(pairs[0].detected(blind).lanes))

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The thresholds that were chosen by looking at labelled frames, with what is physically plausible for each.
+
+A name as of "lane_selection.score_min" is a parameter, one as of "lane_selection.KERB_STEP" a constant of
+the module lane_dp_ros.core.lane_selection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.parameter import parameters, replaced
+
+CORE = "lane_dp_ros.core"
+
+# Round numbers between what is too lax and what is too strict, five for those that decide most. The numbers
+# of the steps that propose lines (line_extension, parallel_lines, turned_axis) are not among them.
+THRESHOLDS: dict[str, Sequence[float]] = {
+    "lane_selection.score_min": (1.0, 2.0, 3.0, 4.0, 5.0),  # m
+    "lane_selection.score_alone": (2.0, 3.0, 4.0, 6.0, 8.0),  # m
+    "lane_selection.UNKNOWN_HEIGHT": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
+    "lane_selection.LONE_PIECE": (1.5, 3.0, 6.0),  # m
+    "lane_selection.run_min": (0.5, 1.0, 2.0, 3.0, 4.0),  # m
+    "lane_selection.start_max": (14.0, 20.0, 26.0),  # m
+    "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
+    "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
+    "lane_selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "lane_selection.KERB_STEP": (0.05, 0.08, 0.12),  # m
+    "lane_selection.KERB_WIDTH": (0.25, 0.30, 0.35),  # m
+    "lane_selection.KERB_HEIGHT": (0.02, 0.04, 0.06),  # m
+    "lane_selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),
+    "lane_selection.UNBROKEN": (4.0, 6.0, 8.0),  # m
+    "lane_selection.paint_width_min": (0.06, 0.09, 0.12),  # m
+    "lane_selection.paint_width_max": (0.26, 0.32, 0.38),  # m
+    "lane_selection.BREADTH_MAX": (0.7, 0.85, 1.0, 1.15, 1.3),
+    "lane_selection.roughness_max": (0.10, 0.15, 0.20, 0.25, 0.30),
+    "lane_selection.slope_max": (0.06, 0.10, 0.15, 0.20, 0.30),
+    "lane_selection.SLOPE_PER_BEND": (0.0, 5.0, 10.0),  # m
+    "lane_selection.SAME": (0.10, 0.20, 0.30),  # m
+    "lane_selection.BESIDE": (0.5, 0.75, 1.0),  # m
+    "lane_selection.STRONG": (4.0, 7.0, 10.0),  # m
+    "lane_selection.LONG_PIECE": (6.0, 9.0, 12.0),  # m
+    "lane_selection.DASHES": (2, 3, 4),
+    "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
+    "lane_selection.lane_width_max": (3.75, 4.25, 4.75),  # m
+    "path_search.min_score": (1.0, 2.0, 3.0),  # m
+    "path_search.blank_cost": (0.10, 0.20, 0.30),
+    "lane_graph.contrast_min": (0.3, 0.6, 0.9),
+    "lane_graph.contrast_max": (2.0, 3.0, 4.0),
+}
+
+
+def is_constant(name: str) -> bool:
+    """Return whether a threshold is a constant of a module, no parameter."""
+    return name.rpartition(".")[2].isupper()
+
+
+def shipped(name: str) -> float:
+    """Return the default of a threshold. Raises KeyError or AttributeError where there is no such one."""
+    if not is_constant(name):
+        return float(parameters(DetectorConfig())[name].default)
+    module, _, constant = name.rpartition(".")
+    return float(getattr(import_module(f"{CORE}.{module}"), constant))
+
+
+def changed(values: Mapping[str, float]) -> tuple[DetectorConfig, dict[str, Any]]:
+    """Return the configuration and the names of modules to replace {dotted name: value} for thresholds.
+
+    Raises ValueError for a parameter that there is none of, or that may not have that value.
+    """
+    chosen = {name: value for name, value in values.items() if not is_constant(name)}
+    patches = {f"{CORE}.{name}": value for name, value in values.items() if is_constant(name)}
+    return replaced(DetectorConfig(), chosen), patches
