@@ -23,8 +23,8 @@ NEAR, LENGTH, WIDTH = 4.0, 20.0, 10.0  # m: 80 rows, 200 columns
 class PaintedRoad:
     """Grey values (rows, columns) to draw on, and the view of them."""
 
-    def __init__(self, ground: float = ASPHALT, axis: RoadAxis | None = None) -> None:
-        rows, columns = round(LENGTH / RESOLUTION[0]), round(WIDTH / RESOLUTION[1])
+    def __init__(self, ground: float = ASPHALT, axis: RoadAxis | None = None, length: float = LENGTH) -> None:
+        rows, columns = round(length / RESOLUTION[0]), round(WIDTH / RESOLUTION[1])
         self.s = NEAR + (np.arange(rows)[::-1] + 0.5) * RESOLUTION[0]
         self.n = (np.arange(columns) + 0.5) * RESOLUTION[1] - WIDTH / 2
         self.grey = np.full((rows, columns), float(ground))
@@ -72,7 +72,7 @@ class PaintedRoad:
         return view, band_graph(view, LaneGraphConfig())
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def painted_road() -> Callable[..., PaintedRoad]:
     """Return the maker of roads to paint on."""
     return PaintedRoad

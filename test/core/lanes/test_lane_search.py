@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The search along one axis, on drawn pictures of a flat road with lines of known place."""
+
+import numpy as np
+import pytest
+
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.lane_search import LaneSearch, RoadPicture, search_lanes
+from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.stopwatch import Stopwatch
+
+STEPS = ["birds_eye", "lane_graph", "path_search", "lane_model", "lane_selection"]
+BEND = RoadAxis(heading=-0.05, curvature=0.01)
+
+
+@pytest.fixture(scope="module")
+def search(camera, disparity_of, picture_of):
+    """Return a function: what is found along an axis of a road with lines at `offsets` [m] along `road`."""
+    surface = RoadSurface.plane(camera, 1.6, 0.02)
+
+    def search(offsets=(-1.8, 1.7), axis=BEND, road=BEND, watch=None, **values):
+        picture = picture_of(surface, road, offsets)
+        everything = RoadPicture(picture, disparity_of(surface), surface, surface)
+        config = replaced(
+            DetectorConfig(), {name.replace("__", "."): value for name, value in values.items()}
+        )
+        return search_lanes(everything, axis, config, np.random.default_rng(0), watch or Stopwatch())
+
+    return search
+
+
+def offsets_of(found: LaneSearch) -> list[float]:
+    return sorted(float(np.median(line.n)) for line, _ in found.lanes)
+
+
+def test_lines_along_the_axis_are_found_where_they_are(search):
+    found = search()
+    assert offsets_of(found) == pytest.approx([-1.8, 1.7], abs=0.01)
+    assert found.view.axis is BEND
+    assert found.graph.feature.shape == found.view.image.shape
+    assert len(found.paths) >= len(found.candidates) >= 2
+
+
+def test_the_lanes_are_candidates_with_their_own_evidence(search):
+    found = search()
+    candidates = {id(line): evidence for line, evidence in found.candidates}
+    assert all(candidates[id(line)] is evidence for line, evidence in found.lanes)
+    for line, evidence in found.lanes:
+        assert evidence.paint_width == pytest.approx(0.15, abs=0.04)
+        assert evidence.height == pytest.approx(0, abs=0.01)
+        assert evidence.run <= line.length + 0.25
+
+
+def test_the_score_is_the_paint_of_all_lanes(search):
+    found = search()
+    assert found.score == sum(line.score for line, _ in found.lanes) > 20  # m
+
+
+def test_the_axis_of_the_road_scores_higher_than_another_one(search):
+    assert search().score > search(axis=RoadAxis(0.1)).score
+
+
+def test_a_blank_road_has_no_lanes_and_no_score(search):
+    found = search(offsets=())
+    assert found.lanes == found.candidates == ()
+    assert found.score == 0
+
+
+def test_the_time_of_each_step_is_taken_and_added_up(search):
+    watch = Stopwatch()
+    search(watch=watch)
+    first = dict(watch.seconds)
+    assert list(first) == STEPS
+    search(watch=watch)
+    assert list(watch.seconds) == STEPS
+    assert all(watch.seconds[step] > first[step] > 0 for step in STEPS)
+
+
+def test_without_evidence_every_line_of_the_model_is_a_lane(search):
+    found = search(offsets=(-1.8, -0.9, 1.7), lane_selection__evidence=False)
+    assert found.lanes is found.candidates
+    assert len(found.lanes) >= 3
+
+
+def test_what_has_no_evidence_of_paint_is_a_candidate_only(search):
+    found = search(lane_selection__paint_width_min=0.3)
+    assert found.lanes == ()
+    assert len(found.candidates) >= 2
+
+
+def test_paths_from_border_to_border_are_not_extended(search):
+    found = search(path_search__free_ends=False)
+    ends = {(path.rows[0], path.rows[-1]) for path in found.paths}
+    assert {(line.rows[0], line.rows[-1]) for line, _ in found.candidates} <= ends
+
+
+def test_the_same_picture_gives_the_same_lanes(search):
+    first, again = search(), search()
+    assert offsets_of(first) == offsets_of(again)
+    assert first.score == again.score

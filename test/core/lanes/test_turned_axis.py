@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The road's axis by the paint that lies askew of it, on lines whose course is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lane_dp_ros.core import lane_selection, turned_axis
+from lane_dp_ros.core.config import LaneSelectionConfig, VanishingPointConfig
+from lane_dp_ros.core.data import LaneEvidence, LaneLine
+from lane_dp_ros.core.path_search import SLOPE_COST
+from lane_dp_ros.core.road import RoadAxis
+
+SELECTION, LIMITS = LaneSelectionConfig(), VanishingPointConfig()
+PAINT = LaneEvidence(
+    paint_width=0.15,
+    breadth=0.4,
+    height=0.0,
+    step=0.0,
+    slope=0.3,  # more than a line along the axis may have
+    roughness=0.05,
+    contrast=0.5,
+    brightness=0.5,
+    run=10.0,
+    dashes=1,
+)
+KERB = replace(PAINT, contrast=lane_selection.KERB_CONTRAST - 0.1, step=lane_selection.KERB_STEP + 0.05)
+STREAK = replace(PAINT, height=np.nan)
+ASKEW = np.tan(np.deg2rad(15))
+
+
+def line(n, slope=ASKEW, bend=0.0, score=10.0, first=5.0, last=25.0):
+    s = np.arange(first, last, 0.25)
+    return LaneLine(np.arange(len(s)), s, n + slope * s + bend / 2 * s**2, bend, score)
+
+
+def turned(*candidates, axis=None):
+    return turned_axis.turned_axis(candidates, axis or RoadAxis(), SELECTION, LIMITS)
+
+
+@pytest.mark.parametrize("heading", [-0.1, 0.0, 0.2])
+@pytest.mark.parametrize("slope", [-ASKEW, ASKEW, 0.1])
+def test_lines_askew_give_the_axis(heading, slope):
+    found = turned((line(-2, slope), PAINT), (line(1.5, slope), PAINT), axis=RoadAxis(heading))
+    assert found.heading == pytest.approx(heading + np.arctan(slope), abs=1e-4)
+    assert found.curvature == pytest.approx(0, abs=1e-4)
+
+
+def test_their_bend_is_added_to_the_curvature():
+    found = turned((line(-2, bend=0.01), PAINT), (line(1.5, bend=0.01), PAINT), axis=RoadAxis(0, -0.004))
+    assert found.curvature == pytest.approx(0.006, abs=0.0005)
+    assert found.heading == pytest.approx(np.arctan(ASKEW), abs=0.005)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_no_axis_bends_more_than_it_may(sign):
+    candidate = line(-2, slope=sign * ASKEW, bend=sign * 0.04), PAINT
+    found = turned(candidate, axis=RoadAxis(0, sign * 0.03))
+    assert found.curvature == sign * LIMITS.curvature_max
+
+
+@pytest.mark.parametrize("axis", [RoadAxis(0.26), RoadAxis(-0.26), RoadAxis(-0.3, 0.01), RoadAxis(0.2, 0.01)])
+def test_along_the_turned_axis_the_lines_run_straight_ahead(axis):
+    """Concentric lines of a road, looked at straight ahead first."""
+    s = np.arange(3.0, 28.0, 0.25)
+    offsets = (-3.5, 0.0, 3.5)
+    seen = [RoadAxis().from_ground(*axis.to_ground(s, np.full_like(s, n))) for n in offsets]
+    lines = [LaneLine(np.arange(len(s)), s0, n0, 0.0, 10.0) for s0, n0 in seen]
+    found = turned(*[(each, PAINT) for each in lines])
+    for each in lines:
+        again, n = found.from_ground(each.n, each.s)
+        assert abs(np.polyfit(again, n, 1)[0]) < 0.03
+    assert found.heading == pytest.approx(axis.heading, abs=0.03)
+
+
+@pytest.mark.parametrize("other", [KERB, STREAK], ids=["kerb", "unknown height"])
+def test_what_may_be_no_paint_has_no_say(other):
+    assert turned((line(-2), other), (line(1.5), other)) is None
+    found = turned((line(-2, slope=-0.3, score=30), other), (line(1.5), PAINT))
+    assert found.heading == pytest.approx(np.deg2rad(15), abs=1e-4)
+
+
+def test_weak_lines_have_no_say():
+    enough = turned_axis.WEIGHT_MIN - SLOPE_COST * ASKEW**2 * line(0).length
+    assert turned((line(0, score=enough - 0.1), PAINT)) is None
+    assert turned((line(0, score=enough + 0.1), PAINT)) is not None
+
+
+def test_what_the_slope_took_from_a_line_it_gets_back():
+    """Askew, the line of less score has more paint: 10 m of it less 1.4 m, against 9 m."""
+    lost = SLOPE_COST * ASKEW**2 * line(0).length
+    assert turned((line(-2, score=10 - lost), PAINT), (line(1.5, slope=0, score=9.0), PAINT)) is not None
+
+
+def test_where_most_paint_lies_along_the_axis_it_stays():
+    assert turned((line(-2, slope=0, score=30), PAINT), (line(1.5, score=5), PAINT)) is None
+    assert turned((line(-2, slope=0, score=5), PAINT), (line(1.5, score=30), PAINT)) is not None
+
+
+@pytest.mark.parametrize("slope", [-1, 1])
+def test_lines_a_little_oblique_turn_nothing(slope):
+    limit = turned_axis.ASKEW
+    assert turned((line(0, slope=slope * (limit - 0.005)), PAINT)) is None
+    assert turned((line(0, slope=slope * (limit + 0.005)), PAINT)) is not None
+
+
+def test_a_line_that_leads_somewhere_else_does_not_turn_the_axis():
+    other = line(4, slope=ASKEW - turned_axis.TOLERANCE - 0.05, score=8.0)
+    found = turned((line(-2), PAINT), (line(1.5), PAINT), (other, PAINT))
+    assert found.heading == pytest.approx(np.deg2rad(15), abs=1e-3)
+
+
+def test_without_lines_there_is_no_other_axis():
+    assert turned() is None
