@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.parameter import Parameter, Parameters, Value, parameter, parameters, replaced
 
+EVERY_NODE = ("use_sim_time", "start_type_description_service")  # ROS gives these to every node
+
 
 @dataclass(frozen=True)
 class NodeConfig(Parameters):
@@ -34,6 +36,11 @@ def all_parameters(preset_name: str = "default") -> dict[str, Parameter]:
     Raises ValueError for an unknown preset.
     """
     return {**parameters(NodeConfig()), **parameters(preset(preset_name))}
+
+
+def is_of_ros(name: str) -> bool:
+    """Return whether a parameter is one that ROS itself gives to nodes, not one of ours."""
+    return name in EVERY_NODE or name.startswith("qos_overrides.")
 
 
 def configs(values: Mapping[str, Value]) -> tuple[NodeConfig, DetectorConfig]:

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from lane_dp_ros.core.parameter import Parameter, Value
-from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs
+from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs, is_of_ros
 
 
 def descriptor(spec: Parameter) -> ParameterDescriptor:
@@ -82,9 +82,9 @@ class LiveParameters:
 
 def _tell_unknown(node: Node) -> None:
     """Log the parameters that ROS would ignore without a word: a name may be misspelt."""
-    known = {*all_parameters(), "use_sim_time", "start_type_description_service"}
+    known = all_parameters()
     given = node.get_parameters_by_prefix("")
-    unknown = [name for name in given if name not in known and not name.startswith("qos_overrides.")]
+    unknown = [name for name in given if name not in known and not is_of_ros(name)]
     if unknown:
         node.get_logger().warning(
             f"Parameters that this node does not have are ignored: {', '.join(unknown)}"

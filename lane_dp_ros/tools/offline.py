@@ -17,7 +17,7 @@ import numpy as np
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.ros.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline, detect_pair, one_line
-from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs
+from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs, is_of_ros
 from lane_dp_ros.ros.stereo_sync import SIDES, StereoSync
 from lane_dp_ros.tools.bag import BagReader, BagWriter
 from lane_dp_ros.tools.bag_message import bag_message
@@ -32,10 +32,12 @@ from lane_dp_ros.tools.stereo_bag import CAPACITY, BagPair, find_stereo_topics, 
 def load_config(preset: str, path: Path | None) -> tuple[NodeConfig, DetectorConfig]:
     """Return the preset with the values of a ROS parameter file, if any, on top.
 
+    What `ros2 param dump` writes of ROS's own parameters is left out.
     Raises CommandError or ValueError naming what is wrong in the file.
     """
     values = {name: parameter.default for name, parameter in all_parameters(preset).items()}
     given = read_parameter_file(path) if path else {}
+    given = {name: value for name, value in given.items() if not is_of_ros(name)}
     try:
         return configs({**values, **given})
     except ValueError as error:

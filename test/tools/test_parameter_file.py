@@ -9,9 +9,11 @@ import rclpy
 import yaml
 from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
 
-from lane_dp_ros.core.config import PRESETS
-from lane_dp_ros.core.parameter import Parameter
+from lane_dp_ros.core.config import PRESETS, DetectorConfig
+from lane_dp_ros.core.parameter import Parameter, replaced
+from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.ros.node_config import all_parameters
 from lane_dp_ros.tools.cli import dumped_config, main
 from lane_dp_ros.tools.errors import CommandError
@@ -104,6 +106,31 @@ def test_a_file_may_give_a_few_values_on_top_of_a_preset(tmp_path: Path) -> None
     assert detector.disparity.P1 == 100
     assert detector.vanishing_point.method == "dense"
     assert load_config("default", None)[1].vanishing_point.method == "arc"
+
+
+def test_what_a_running_node_has_can_be_kept_in_a_file(tmp_path: Path) -> None:
+    """As `ros2 param dump` writes it: with the parameters of ROS itself, names nested at their dots."""
+    context = Context()
+    rclpy.init(context=context)
+    try:
+        node = LaneDetectorNode(context=context)
+        node.set_parameters([RosParameter("disparity.P1", value=100)])
+        values = {name: node.get_parameter(name).value for name in node.list_parameters([], 0).names}
+        node.destroy_node()
+    finally:
+        context.try_shutdown()
+    assert {"use_sim_time", "start_type_description_service"} <= set(values)
+    tree: dict = {}
+    for name, value in values.items():
+        *stages, last = name.split(".")
+        branch = tree
+        for stage in stages:
+            branch = branch.setdefault(stage, {})
+        branch[last] = value
+    path = tmp_path / "dump.yaml"
+    path.write_text(yaml.safe_dump({"/lane_detector": {"ros__parameters": tree}}))
+    _, detector = load_config("paper", path)
+    assert detector == replaced(DetectorConfig(), {"disparity.P1": 100})
 
 
 @pytest.mark.parametrize(
