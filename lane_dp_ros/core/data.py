@@ -196,6 +196,8 @@ class LaneEvidence:
     """Texture beside the line, over brightness: asphalt is smooth, grass is not."""
     contrast: float
     """Weber contrast of the paint against the road on both sides of it."""
+    headroom: float
+    """The same rise as a share of that up to white: in glare even fresh paint has little contrast."""
     brightness: float
     """Brightness of the paint over that of the road towards the vehicle, less 1."""
     run: float

@@ -23,6 +23,7 @@ HEIGHT_DEPTH = 25.0  # m; farther, disparity tells no heights of paint
 GAP_BRIDGED = 1.0  # m of missing paint inside one run
 ASIDE = 0.6  # m; where the texture beside the line is taken
 FLANK = (4, 10)  # samples from the centre; the road beside the paint, behind its blurred border and any crack
+WHITE = 255.0  # grey level
 SATURATED = 250.0  # grey levels; how bright such ground is nobody knows
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
 STEP = (0.35, 0.6)  # m aside; where a kerb stands beside a gutter
@@ -41,6 +42,7 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneE
     painted = _painted(feature)
     sections = _cross_sections(view, line.rows[painted], column[painted])
     width, breadth = _band_shape(sections, view.resolution[0])
+    contrast, headroom = _contrast(sections)
     near = line.s < HEIGHT_DEPTH
     return LaneEvidence(
         paint_width=width,
@@ -49,7 +51,8 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneE
         step=_step(view, line.rows[near], centre[near]),
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
         roughness=_roughness(line.rows, centre, view, graph),
-        contrast=_contrast(sections),
+        contrast=contrast,
+        headroom=headroom,
         brightness=_brightness(sections, line.rows[painted], centre[painted], view),
         run=_longest_run(feature > PAINTED, view.resolution[0]),
         dashes=_dashes(feature > PAINTED, view.resolution[0]),
@@ -113,8 +116,8 @@ def _crossing(profile: Floats, level: float) -> float:
     return i + float((profile[i] - level) / max(float(profile[i] - profile[i + 1]), 1e-6))
 
 
-def _contrast(sections: Floats) -> float:
-    """Return the Weber contrast of the paint against the brighter of both flanks."""
+def _contrast(sections: Floats) -> tuple[float, float]:
+    """Return the Weber contrast of the paint against the brighter flank, and its share of the headroom."""
     middle = sections.shape[1] // 2
     near, far = FLANK
     paint = sections[:, middle - 1 : middle + 2].mean(axis=1)
@@ -122,7 +125,8 @@ def _contrast(sections: Floats) -> float:
     right = np.median(sections[:, middle + near : middle + far], axis=1)
     left, right = np.where(left > SATURATED, right, left), np.where(right > SATURATED, left, right)
     road = np.maximum(left, right)
-    return float(np.median((paint - road) / (road + DARK)))
+    rise = paint - road
+    return float(np.median(rise / (road + DARK))), float(np.median(rise / (WHITE + DARK - road)))
 
 
 def _brightness(

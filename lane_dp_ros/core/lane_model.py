@@ -13,7 +13,7 @@ from lane_dp_ros.core.parabola import ransac_parabola, tukey_fit
 
 Floats = NDArray[np.float64]
 
-CUBIC_LENGTH = 12.0  # m; a shorter line is a parabola
+CUBIC_LENGTH = 16.0  # m; a shorter line is a parabola
 TEN_METRES = 10.0  # the unit of s in the fits, to condition them
 RIDGE = np.array([1e-6, 1e-6, 0.02, 0.05])  # m^2 of paint; holds curvature and its change small
 TOLERANCE = 0.25  # m; paint farther from the line is not its own

@@ -16,11 +16,11 @@ SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvat
 
 # What a kerb, a gutter or a verge has and paint lacks; it takes one of these and little contrast.
 KERB_CONTRAST = 0.3
-KERB_STEP = 0.09  # m that the ground beside it is higher
-UNBROKEN = 6.0  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
-KERB_WIDTH = 0.31  # m
-KERB_HEIGHT = 0.04  # m
-KERB_BRIGHTNESS = -0.15  # over that of the lane beside it, less 1
+KERB_STEP = 0.08  # m that the ground beside it is higher
+UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
+KERB_WIDTH = 0.3  # m
+KERB_HEIGHT = 0.03  # m
+KERB_BRIGHTNESS = -0.1  # over that of the lane beside it, less 1
 
 SAME = 0.15  # m; nearer lines are one line found twice
 BESIDE = 0.75  # m; nearer lines are a double line
@@ -48,11 +48,15 @@ def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig
 def _is_kerb(evidence: LaneEvidence) -> bool:
     """Return whether a pale stripe has a sign of a kerb, a gutter or a verge."""
     unbroken = evidence.run >= UNBROKEN
-    return evidence.contrast < KERB_CONTRAST and (
-        evidence.step > KERB_STEP
-        or (unbroken and evidence.paint_width > KERB_WIDTH)
-        or (unbroken and evidence.height > KERB_HEIGHT)
-        or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
+    return (
+        evidence.contrast < KERB_CONTRAST
+        and evidence.headroom < KERB_CONTRAST
+        and (
+            evidence.step > KERB_STEP
+            or (unbroken and evidence.paint_width > KERB_WIDTH)
+            or (unbroken and evidence.height > KERB_HEIGHT)
+            or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
+        )
     )
 
 

@@ -13,7 +13,7 @@ from lane_dp_ros.core.lane import Lane, LaneRole
 
 SPACING = 0.25  # m along the axis; on the outside of the sharpest bend points are still within 0.5 m
 MIN_RADIUS = 0.1  # of the axis's; a line nearer to the centre of the bend is none
-HALF_SURE = 2.0  # m of paint that give a confidence of one half
+DOUBT, SURE = 0.15, 10.0  # share of wrong lines among the weakest; m of paint that leave 1/e of the doubt
 
 
 def to_lanes(
@@ -44,7 +44,7 @@ def _lane(line: LaneLine, evidence: LaneEvidence, view: BirdsEyeView, role: Lane
     radius = max(1 - view.axis.curvature * float(line.n[0]), MIN_RADIUS)
     return Lane(
         points=view.to_points(s, np.interp(s, line.s, line.n)),
-        confidence=line.score / (line.score + HALF_SURE),
+        confidence=1 - DOUBT * float(np.exp(-line.score / SURE)),
         paint_width=evidence.paint_width,
         role=role,
         curvature=view.axis.curvature / radius + line.bend,
