@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 import itertools
 from collections import OrderedDict, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -120,19 +120,19 @@ def _read(path: Path) -> Image:
 class Judges:
     """Processes that each keep a share of the pairs and judge them with any configuration.
 
-    Consecutive pairs are detected as the node does it, with its memory. Or `remember`: each by itself, and
-    the processes keep what the detector's functions returned. Close it, or use it as a context.
+    Consecutive pairs are detected as the node does it, with its memory; `alone`: each by itself. What the
+    detector's functions returned is kept. Close it, or use it as a context.
     """
 
-    def __init__(self, pairs: Sequence[JudgedPair], jobs: int, remember: bool = False) -> None:
-        whole = dict.fromkeys(pair.name if remember else pair.sequence for pair in pairs)
+    def __init__(self, pairs: Sequence[JudgedPair], jobs: int, alone: bool = False) -> None:
+        whole = dict.fromkeys(pair.name if alone else pair.sequence for pair in pairs)
         share_of = {name: i % jobs for i, name in enumerate(whole)}
         shares: list[list[JudgedPair]] = [[] for _ in range(jobs)]
         for pair in pairs:
-            shares[share_of[pair.name if remember else pair.sequence]].append(pair)
+            shares[share_of[pair.name if alone else pair.sequence]].append(pair)
         # One pool for each share: a pool of several would hand a share to any of its processes.
         self._pools = [
-            ProcessPoolExecutor(1, get_context("spawn"), _set_up, (share, remember)) for share in shares
+            ProcessPoolExecutor(1, get_context("spawn"), _set_up, (share, alone)) for share in shares
         ]
         self._order = [pair.name for pair in pairs]
 
@@ -163,44 +163,50 @@ def patched(patches: Mapping[str, Any]) -> Iterator[None]:
 
 
 _pairs: Sequence[JudgedPair] = ()
+_alone = False
 _memories: list[Memory] = []
 
 
-def _set_up(pairs: Sequence[JudgedPair], remember: bool) -> None:
-    global _pairs, _memories  # noqa: PLW0603  (a process's own)
+def _set_up(pairs: Sequence[JudgedPair], alone: bool) -> None:
+    global _pairs, _alone, _memories  # noqa: PLW0603  (a process's own)
     cv2.setNumThreads(1)  # each process has a core
-    _pairs = pairs
-    _memories = [Memory() for _ in pairs] if remember else []
+    _pairs, _alone = pairs, alone
+    _memories = [Memory() for _ in pairs]
 
 
 def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameResult]:
+    results = []
+    pipelines: defaultdict[str, LanePipeline] = defaultdict(LanePipeline)
     with patched(patches):
-        if not _memories:
-            pipelines: defaultdict[str, LanePipeline] = defaultdict(LanePipeline)
-            return [pair.judged(pair.followed(config, pipelines[pair.sequence])) for pair in _pairs]
-        results = []
         for pair, memory in zip(_pairs, _memories, strict=True):
-            with memory.in_use():
-                results.append(pair.judged(pair.detected(config).lanes))
-        return results
+            with memory.in_use(patches):
+                found = (
+                    pair.detected(config).lanes if _alone else pair.followed(config, pipelines[pair.sequence])
+                )
+            results.append(pair.judged(found))
+    return results
 
 
 class Memory:
     """What the stages of the detector returned for one pair, by the very objects that they were called with.
 
-    Configurations and plain values are told apart by what they are, all else by identity. That holds as long
-    as the stages are functions of their arguments; random numbers are taken for the same each time.
+    Configurations and plain values are told apart by what they are, all else by identity; with names of other
+    modules replaced all is computed anew. That holds as long as the stages are functions of their arguments;
+    random numbers are taken for the same each time.
     """
 
     def __init__(self) -> None:
         self._kept: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
     @contextmanager
-    def in_use(self) -> Iterator[None]:
-        """Let the detector's functions remember as long as the block lasts."""
+    def in_use(self, patches: Mapping[str, Any] | None = None) -> Iterator[None]:
+        """Let the detector's functions remember as long as the block lasts; `patches` are in force."""
+        inside = frozenset(
+            each for each in (patches or {}).items() if each[0].rpartition(".")[0] not in ALWAYS_RUN
+        )
         with patched(
             {
-                f"{caller.__name__}.{name}": self._remembering(function)
+                f"{caller.__name__}.{name}": self._remembering(function, inside)
                 for caller in CALLERS
                 for name, function in vars(caller).items()
                 if inspect.isfunction(function) and _is_remembered(function)
@@ -208,11 +214,11 @@ class Memory:
         ):
             yield
 
-    def _remembering(self, function: Callable[..., Any]) -> Callable[..., Any]:
+    def _remembering(self, function: Callable[..., Any], inside: Hashable) -> Callable[..., Any]:
         @wraps(function)
         def remembering(*arguments: Any, **named: Any) -> Any:
             values = (*arguments, *itertools.chain(*sorted(named.items())))
-            key = (function, *map(_identity, values))
+            key = (function, inside, *map(_identity, values))
             if key in self._kept:
                 self._kept.move_to_end(key)
             else:

@@ -140,7 +140,7 @@ def run(arguments: argparse.Namespace) -> None:
         pairs += scenes
         drives |= {pair.name: SUITE for pair in scenes}
     names = [name for name in dict.fromkeys(drives.values()) if name != SUITE]
-    with Judges(pairs, arguments.jobs, remember=True) as judges:
+    with Judges(pairs, arguments.jobs, alone=True) as judges:
         search = Search(judges, drives)
         chosen = {name: search.best(n for n in dict.fromkeys(drives.values()) if n != name) for name in names}
         left_out = {name: search.scored(values)[name] for name, values in chosen.items()}

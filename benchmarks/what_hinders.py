@@ -49,12 +49,12 @@ def run(arguments: argparse.Namespace) -> None:
     pairs: Sequence[JudgedPair] = kitti_pairs(arguments.data)
     if arguments.suite is not None:
         pairs = [*pairs, *labelled_pairs(arguments.suite, arguments.suite / "truth.json")]
-    with Judges(pairs, arguments.jobs, remember=True) as judges:
+    with Judges(pairs, arguments.jobs, alone=True) as judges:
         before = {result.name: result for result in judges.results(DetectorConfig())}
     failing = [pair for pair in pairs if not_found(before[pair.name])]
     changes = list(extremes())
     after: dict[str, dict[str, FrameResult]] = {pair.name: {} for pair in failing}
-    with Judges(failing, arguments.jobs, remember=True) as judges:
+    with Judges(failing, arguments.jobs, alone=True) as judges:
         for name, change in progress(iter(changes), len(changes), "change"):
             for result in judges.results(*change):
                 after[result.name][name] = result
