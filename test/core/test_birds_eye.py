@@ -4,6 +4,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -130,6 +131,54 @@ def test_points_lie_on_the_surface_where_the_map_shows_them(camera, view, s, n):
 
 def test_points_above_the_horizon_are_in_no_cell(view):
     assert np.isnan(view.cells([[0.0, -3.0, 10.0]])).all()
+
+
+def test_cells_are_means_of_the_picture_where_they_cover_many_pixels(camera, disparity_of):
+    """Near, a cell of 0.05 m by 0.25 m covers hundreds of pixels; eight samples of it are looked at."""
+    road = RoadSurface.plane(camera, HEIGHT, 0.0)
+    noise = np.random.default_rng(0).normal(0, 20, (300, 640))
+    image = np.clip(np.rint(120 + noise), 0, 255).astype(np.uint8)
+    view = birds_eye_view(image, disparity_of(road), road, RoadAxis(), BirdsEyeConfig())
+    near = view.seen & (view.s < 8)[:, None]
+    once = cv2.remap(image, view.map_u, view.map_v, cv2.INTER_LINEAR)
+    assert np.std(once[near]) > 12  # one sample of four pixels each
+    assert np.std(view.image[near]) < 20 / np.sqrt(2 * 4)
+    assert np.mean(view.image[near]) == pytest.approx(120, abs=0.5)
+
+
+@pytest.mark.parametrize("resolution", [(0.25, 0.05), (0.5, 0.1), (1 / 15, 0.05)])
+@pytest.mark.parametrize("axis", [RoadAxis(), AXIS], ids=["straight", "bend"])
+@pytest.mark.parametrize("offset", [-1.26, 0.0, 1.013])
+def test_the_mean_does_not_shift_a_line(camera, disparity_of, resolution, axis, offset):
+    """A line of bell-shaped brightness has its centroid where it was drawn."""
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    v, u = np.mgrid[:300, :640].astype(float)
+    x, z = road.pixel_to_ground(u, v)
+    n = axis.offset(x, z)
+    paint = np.where(np.isfinite(n), 160 * np.exp(-0.5 * ((n - offset) / 0.1) ** 2), 0)
+    image = np.rint(80 + paint).astype(np.uint8)
+    config = BirdsEyeConfig(forward_resolution=resolution[0], lateral_resolution=resolution[1])
+    view = birds_eye_view(image, disparity_of(road), road, axis, config)
+    rows = (view.s > 6) & (view.s < 12)
+    near = np.abs(view.n - offset) < 0.45
+    bright = view.image[rows][:, near].astype(float) - 80
+    centroid = (bright * view.n[near]).sum(axis=1) / bright.sum(axis=1)
+    assert centroid.mean() == pytest.approx(offset, abs=0.001)
+
+
+@pytest.mark.parametrize("place", [7.03, 9.5])
+def test_the_mean_does_not_shift_a_line_across_the_road(camera, disparity_of, place):
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    v, u = np.mgrid[:300, :640].astype(float)
+    _, z = road.pixel_to_ground(u, v)
+    paint = np.where(np.isfinite(z), 160 * np.exp(-0.5 * ((z - place) / 0.4) ** 2), 0)
+    image = np.rint(80 + paint).astype(np.uint8)
+    view = birds_eye_view(image, disparity_of(road), road, RoadAxis(), BirdsEyeConfig())
+    rows = np.abs(view.s - place) < 1.8
+    middle = np.abs(view.n) < 1
+    bright = view.image[rows][:, middle].astype(float) - 80
+    centroid = (bright * view.s[rows, None]).sum(axis=0) / bright.sum(axis=0)
+    assert centroid.mean() == pytest.approx(place, abs=0.01)
 
 
 def test_awkward_input_gives_a_view(awkward_image, awkward_disparity, awkward_camera):

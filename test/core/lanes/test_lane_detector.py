@@ -26,6 +26,7 @@ STAGES = [
     "birds_eye",
     "lane_graph",
     "path_search",
+    "lane_model",
     "lane_selection",
 ]
 ROWS, COLUMNS = SIZE[1], SIZE[0]
@@ -74,13 +75,10 @@ def test_every_line_is_found_where_it_is_painted(road_pair):
     assert egos == pytest.approx([-1.75, 1.75], abs=0.1)
 
 
-def test_a_second_look_finds_the_sparse_border_of_the_own_lane():
+def test_the_sparse_border_of_the_own_lane_is_found():
     """Dashes of 1.6 m every 10.6 m are too little by themselves; parallel to a solid line they add up."""
     road = Road(swing=0, lane_widths=(3.5,), lines=(SOLID, Line("dashed", dash=1.6, gap=9.0)), driven=0)
     pair = render_pair(road, position=13.0, seed=5)
-    once = replaced(DetectorConfig(), {"lane_selection.second_look": False})
-    found = LaneDetector(CAMERA, once).detect(pair.left, pair.right)
-    assert [lane.role for lane in found.lanes] == ["ego_left"]
     found = LaneDetector(CAMERA).detect(pair.left, pair.right)
     assert [lane.role for lane in found.lanes] == ["ego_left", "ego_right"]
     for lane, truth in zip(found.lanes, pair.lanes, strict=True):
@@ -109,7 +107,7 @@ def test_the_left_picture_alone_finds_the_lines_on_a_road_that_is_given(road_pai
 
 def test_the_detection_carries_what_led_to_the_lanes(detection):
     assert detection.disparity.shape == (ROWS, COLUMNS)
-    assert detection.graph.feature.shape == detection.birds_eye.image.shape == (120, 300)
+    assert detection.graph.feature.shape == detection.birds_eye.image.shape == (120, 320)
     assert len(detection.paths) >= len(detection.lanes)
     assert list(detection.seconds) == STAGES
     assert all(seconds >= 0 for seconds in detection.seconds.values())
