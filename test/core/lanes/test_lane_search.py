@@ -31,6 +31,25 @@ def search(camera, disparity_of, picture_of):
     return search
 
 
+@pytest.fixture(scope="module")
+def painted_surface(camera, disparity_of, picture_of):
+    """Return a function: what is found on a straight road of lines of known brightness, in noise."""
+    surface = RoadSurface.plane(camera, 1.6, 0.02)
+
+    def painted_surface(offsets, brightness, noise):
+        blank = picture_of(surface, RoadAxis(), ())
+        picture = blank + np.random.default_rng(1).normal(0, noise, blank.shape)
+        for n, levels in zip(offsets, brightness, strict=True):
+            drawn = picture_of(surface, RoadAxis(), (n,)).astype(float) - blank
+            picture += drawn / 110 * levels
+        grey = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+        everything = RoadPicture(grey, disparity_of(surface), surface, surface)
+        config = replaced(DetectorConfig(), {"lane_selection.contrast_min": 0.0})
+        return search_lanes(everything, RoadAxis(), config, np.random.default_rng(0), Stopwatch())
+
+    return painted_surface
+
+
 def offsets_of(found: LaneSearch) -> list[float]:
     return sorted(float(np.median(line.n)) for line, _ in found.lanes)
 
@@ -94,6 +113,18 @@ def test_paths_from_border_to_border_are_not_extended(search):
     found = search(path_search__free_ends=False)
     ends = {(path.rows[0], path.rows[-1]) for path in found.paths}
     assert {(line.rows[0], line.rows[-1]) for line, _ in found.candidates} <= ends
+
+
+def test_a_second_look_finds_the_faint_border_of_the_own_lane(painted_surface):
+    """It is too faint for a path; along a line parallel to the bright one it adds up."""
+    found = painted_surface((-1.8, 1.7), (110, 4), noise=10)
+    assert offsets_of(found) == pytest.approx([-1.8, 1.7], abs=0.08)
+    by_path = [float(np.median(line.n)) for line, _ in found.candidates]
+    assert not any(n == pytest.approx(1.7, abs=0.3) for n in by_path)
+
+
+def test_a_second_look_finds_nothing_where_there_is_nothing(painted_surface):
+    assert offsets_of(painted_surface((-1.8,), (110,), noise=10)) == pytest.approx([-1.8], abs=0.02)
 
 
 def test_the_same_picture_gives_the_same_lanes(search):
