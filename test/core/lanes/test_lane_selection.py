@@ -21,11 +21,13 @@ GOOD = LaneEvidence(
     slope=0.02,
     roughness=0.05,
     contrast=0.5,
+    headroom=0.5,
     brightness=0.5,
     run=10.0,
     dashes=1,
 )
-PALE = replace(GOOD, contrast=lane_selection.KERB_CONTRAST - 0.01)
+LITTLE = lane_selection.KERB_CONTRAST - 0.01
+PALE = replace(GOOD, contrast=LITTLE, headroom=LITTLE)
 DASHED = {"run": lane_selection.UNBROKEN - 0.1, "dashes": 3}
 UNBROKEN = {"run": lane_selection.UNBROKEN, "dashes": 1}
 ABOVE_KERB = {
@@ -106,8 +108,10 @@ def test_a_pale_stripe_with_one_sign_of_a_kerb_is_a_kerb(sign):
 
 
 @pytest.mark.parametrize("sign", ABOVE_KERB, ids=str)
-def test_what_has_contrast_is_no_kerb_whatever_else_it_has(sign):
-    bright = replace(GOOD, contrast=lane_selection.KERB_CONTRAST, **UNBROKEN)
+@pytest.mark.parametrize("field", ["contrast", "headroom"])
+def test_what_is_not_pale_is_no_kerb_whatever_else_it_has(sign, field):
+    """In glare fresh paint has little contrast, but takes much of what is left up to white."""
+    bright = replace(PALE, **UNBROKEN, **{field: lane_selection.KERB_CONTRAST})
     assert painted(replace(bright, **{sign: ABOVE_KERB[sign]}))
 
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From lines on the road to lanes in the camera's frame."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
@@ -14,10 +16,9 @@ CAMERA_HEIGHT = 1.65  # m, of painted roads
 
 
 def evidence(paint_width=0.15):
-    return LaneEvidence(
-        paint_width, 0.4, height=0.0, step=0.0, slope=0.0, roughness=0.05, contrast=0.5, brightness=0.5,
-        run=10.0, dashes=1,
-    )  # fmt: skip
+    """Return evidence of which the width alone matters here."""
+    rest = {field.name: 0 for field in fields(LaneEvidence)}
+    return LaneEvidence(**{**rest, "paint_width": paint_width})
 
 
 def line_at(view, n, score=10.0, bend=0.0):
@@ -92,7 +93,9 @@ def test_a_short_line_has_two_points_at_least(painted_road):
 @pytest.mark.parametrize(("score", "confidence"), [(2.0, 0.8772), (10.0, 0.9448), (25.0, 0.9877)])
 def test_confidence_grows_with_paint_up_to_one(painted_road, score, confidence):
     view = painted_road().view()
-    assert to_lanes([line_at(view, 0, score)], [evidence()], view)[0].confidence == pytest.approx(confidence, abs=1e-4)
+    assert to_lanes([line_at(view, 0, score)], [evidence()], view)[0].confidence == pytest.approx(
+        confidence, abs=1e-4
+    )
 
 
 def test_curvature_is_that_of_the_concentric_arc_and_the_lines_own(painted_road):

@@ -24,6 +24,7 @@ PAINT = LaneEvidence(
     slope=0.01,
     roughness=0.03,
     contrast=0.6,
+    headroom=0.4,
     brightness=0.6,
     run=20.0,
     dashes=1,

@@ -22,11 +22,13 @@ PAINT = LaneEvidence(
     slope=0.3,  # more than a line along the axis may have
     roughness=0.05,
     contrast=0.5,
+    headroom=0.5,
     brightness=0.5,
     run=10.0,
     dashes=1,
 )
-KERB = replace(PAINT, contrast=lane_selection.KERB_CONTRAST - 0.1, step=lane_selection.KERB_STEP + 0.05)
+PALE = lane_selection.KERB_CONTRAST - 0.1
+KERB = replace(PAINT, contrast=PALE, headroom=PALE, step=lane_selection.KERB_STEP + 0.05)
 STREAK = replace(PAINT, height=np.nan)
 ASKEW = np.tan(np.deg2rad(15))
 
