@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -15,7 +15,7 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LanePath, VanishingPoint
 from lane_dp_ros.core.disparity import dense_disparity
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_search import RoadPicture, search_lanes
+from lane_dp_ros.core.lane_search import LaneSearch, RoadPicture, search_lanes
 from lane_dp_ros.core.lanes import to_lanes
 from lane_dp_ros.core.left_alone import without_heights
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
@@ -40,6 +40,8 @@ class LaneDetection:
     birds_eye: BirdsEyeView | None = None
     graph: LaneGraph | None = None
     paths: tuple[LanePath, ...] = ()
+    score: float = 0.0
+    """Net metres of paint of all lanes."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Computing time of each stage, in order."""
     note: str = ""
@@ -88,14 +90,25 @@ class LaneDetector:
             if turned is not None:
                 again = search_lanes(picture, turned, config, rng, watch)
                 found = max(found, again, key=lambda search: search.score)
-        lines, evidence = [line for line, _ in found.lanes], [evidence for _, evidence in found.lanes]
-        lanes = to_lanes(lines, evidence, found.view)
-        if right is None:
-            lanes = without_heights(lanes, lines, evidence)
-        note = "" if lanes else f"no lanes among {len(found.paths)} paths"
-        return LaneDetection(
-            lanes, disparity, road, vanishing_point, found.view, found.graph, found.paths, watch.seconds, note
-        )
+        detection = LaneDetection((), disparity, road, vanishing_point, seconds=watch.seconds)
+        return _with_lanes(detection, found, heights=right is not None)
+
+    def detect_along(self, axis: RoadAxis, left: Image, detection: LaneDetection) -> LaneDetection:
+        """Return the lanes of a pair along `axis`, or its `detection` where that has more paint.
+
+        `left` is the pair's left image and `detection` what `detect` returned for both of them.
+        """
+        view = detection.birds_eye
+        if view is None:
+            return detection
+        watch = Stopwatch(detection.seconds)
+        picture = RoadPicture(_grey(left, "left"), detection.disparity, view.surface, view.ground)
+        rng = np.random.default_rng(self.config.seed)
+        found = search_lanes(picture, axis, self.config, rng, watch)
+        if found.score <= detection.score:
+            return replace(detection, seconds=watch.seconds)
+        point = vanishing_point_of(axis, view.surface)
+        return _with_lanes(replace(detection, vanishing_point=point, seconds=watch.seconds), found)
 
     def _direction(
         self, left: Image, disparity: NDArray[np.float32], road: RoadSurface
@@ -109,6 +122,21 @@ class LaneDetector:
         point = dense_vanishing_point(edges, road, left.shape)
         pitch, yaw = pitch_and_yaw(point, self.camera, left.shape, config.centred_principal_point)
         return point, RoadAxis(yaw), RoadSurface.plane(self.camera, road.camera_height, pitch)
+
+
+def _with_lanes(detection: LaneDetection, found: LaneSearch, heights: bool = True) -> LaneDetection:
+    """Return the detection with what was found; lines whose heights nobody knows are doubted."""
+    lines, evidence = [line for line, _ in found.lanes], [evidence for _, evidence in found.lanes]
+    lanes = to_lanes(lines, evidence, found.view)
+    return replace(
+        detection,
+        lanes=lanes if heights else without_heights(lanes, lines, evidence),
+        birds_eye=found.view,
+        graph=found.graph,
+        paths=found.paths,
+        score=found.score,
+        note="" if lanes else f"no lanes among {len(found.paths)} paths",
+    )
 
 
 def _grey(image: Image | None, side: str) -> Image:

@@ -5,15 +5,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 
 class Stopwatch:
-    """Seconds per stage, in the order in which they first ran; a stage that runs again is added up."""
+    """Seconds per stage, in the order in which they first ran; a stage that runs again is added up.
 
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
+    `seconds` are those of before.
+    """
+
+    def __init__(self, seconds: Mapping[str, float] | None = None) -> None:
+        self.seconds: dict[str, float] = dict(seconds or {})
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from lane_dp_ros.core.axis_memory import AxisMemory
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
@@ -54,6 +55,7 @@ class LanePipeline:
 
     def __init__(self) -> None:
         self._road = RoadFilter()
+        self._axis = AxisMemory()
         self._tracker = LaneTracker()
         self._check = SelfCheck()
         self._rows_ns = 0  # when the rows were compared last
@@ -77,6 +79,8 @@ class LanePipeline:
             return answer  # nobody can tell where in this picture a line from before would be
         answer = self._on_road(answer, answer.camera, answer.detection, stamp_ns, config)
         measured = answer.road_profile == "measured"
+        if measured:
+            answer = self._along_known_axis(answer, stamp_ns, config)
         self._tracker.config = config.tracking
         seen = answer.lanes if measured else trusted(answer.lanes, self._known)
         lanes = self._tracker.update(seen, stamp_ns)
@@ -95,6 +99,18 @@ class LanePipeline:
         road = found.detection.road if answer.road_profile == "measured" else None
         sight = Sight(stamp_ns, road, answer.lanes, rows)
         return self._check.update(sight, _nominal_road(found.camera, config))
+
+    def _along_known_axis(self, answer: Answer, stamp_ns: int, config: DetectorConfig) -> Answer:
+        """Return the answer with the lanes along the axis of the pair before, where that has more paint."""
+        camera, detection = answer.camera, answer.detection
+        if not config.tracking.enabled or camera is None or detection is None or not detection.birds_eye:
+            return answer
+        other = self._axis.other_axis(detection.birds_eye.axis, stamp_ns)
+        if other is not None:
+            detection = LaneDetector(camera, config).detect_along(other, answer.left, detection)
+        if detection.lanes and detection.birds_eye:
+            self._axis.update(detection.birds_eye.axis, stamp_ns)
+        return replace(answer, detection=detection, lanes=detection.lanes)
 
     def _on_road(
         self,
