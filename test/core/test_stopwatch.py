@@ -44,3 +44,14 @@ def test_two_watches_know_nothing_of_each_other():
     with first("stage"):
         pass
     assert second.seconds == {}
+
+
+def test_the_seconds_of_before_are_added_to_and_left_as_they_were():
+    before = {"first": 1.0, "second": 2.0}
+    watch = Stopwatch(before)
+    with watch("second"), watch("third"):
+        pass
+    assert list(watch.seconds) == ["first", "second", "third"]
+    assert watch.seconds["first"] == 1.0
+    assert 2.0 < watch.seconds["second"] < 3.0
+    assert before == {"first": 1.0, "second": 2.0}
