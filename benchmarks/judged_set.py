@@ -191,12 +191,12 @@ class Memory:
     """What the stages of the detector returned for one pair, by the very objects that they were called with.
 
     Configurations and plain values are told apart by what they are, all else by identity; with names of other
-    modules replaced all is computed anew. That holds as long as the stages are functions of their arguments;
-    random numbers are taken for the same each time.
+    modules replaced all is computed anew. That holds as long as the stages are functions of their arguments,
+    generators of random numbers among them: these are left as the function left them.
     """
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
+        self._kept: OrderedDict[tuple[Any, ...], tuple[Any, Any, Any]] = OrderedDict()
 
     @contextmanager
     def in_use(self, patches: Mapping[str, Any] | None = None) -> Iterator[None]:
@@ -219,14 +219,19 @@ class Memory:
         def remembering(*arguments: Any, **named: Any) -> Any:
             values = (*arguments, *itertools.chain(*sorted(named.items())))
             key = (function, inside, *map(_identity, values))
+            generators = [value.bit_generator for value in values if isinstance(value, np.random.Generator)]
             if key in self._kept:
                 self._kept.move_to_end(key)
             else:
                 # The arguments are kept as well: as long as they live, no other object has their identity.
-                self._kept[key] = function(*arguments, **named), values
+                answer = function(*arguments, **named)
+                self._kept[key] = answer, values, [each.state for each in generators]
                 if len(self._kept) > REMEMBERED:
                     self._kept.popitem(last=False)
-            return self._kept[key][0]
+            answer, _, states = self._kept[key]
+            for generator, state in zip(generators, states, strict=True):
+                generator.state = state
+            return answer
 
         return remembering
 
@@ -238,7 +243,7 @@ def _is_remembered(function: Callable[..., Any]) -> bool:
 def _identity(value: Any) -> Any:
     """Return what tells an argument apart from others."""
     if isinstance(value, np.random.Generator):
-        return None
+        return str(value.bit_generator.state)
     if isinstance(value, (list, tuple)):
         return tuple(_identity(each) for each in value)
     if isinstance(value, (Parameters, StereoCamera, RoadAxis, bool, int, float, str, type(None))):

@@ -10,7 +10,7 @@ import cv2
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.parameter import parameters
+from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.ros.lane_pipeline import LanePipeline
 from lane_dp_ros.tools.evaluation import Summary
 from lane_dp_ros.tools.scenes.scene import CAMERA, Motion, Scene, render_frame
@@ -134,6 +134,23 @@ def test_a_lower_and_a_higher_value_are_tried_where_there_are_any(name):
         lower, higher = (any(sign * value > sign * spec.default for value in values) for sign in (-1, 1))
         assert lower or spec.default == spec.minimum
         assert higher or spec.default == spec.maximum
+
+
+def test_what_is_remembered_of_random_numbers_is_what_they_give_anew(pairs):
+    memory = judged_set.Memory()
+    configs = [
+        replaced(DetectorConfig(), values)
+        for values in ({}, {"seed": 1}, {"lane_model.model": "parabola"}, {"lane_model.max_trials": 50}, {})
+    ]
+    assert len({pairs[0].detected(config).road for config in configs[:2]}) == 2
+    for config in configs:
+        fresh = pairs[0].detected(config)
+        with memory.in_use():
+            remembered = pairs[0].detected(config)
+        assert remembered.road == fresh.road
+        assert len(remembered.lanes) == len(fresh.lanes)
+        for one, other in zip(remembered.lanes, fresh.lanes, strict=True):
+            assert (one.points == other.points).all()
 
 
 def test_shares_change_in_points_and_counts_by_number():
