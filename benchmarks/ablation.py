@@ -119,7 +119,6 @@ ABLATIONS = (
     Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
     Ablation("slope test no laxer in bends", patches={f"{SELECTION}.SLOPE_PER_BEND": 0.0}),
     Ablation("no roughness test", {"lane_selection.roughness_max": 1.0}),
-    Ablation("no test of the longest piece", {"lane_selection.run_min": 0.0}),
     Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
     Ablation("no mid-lane rule", patches={
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0}),

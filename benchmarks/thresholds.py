@@ -24,7 +24,6 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.score_alone": (2.0, 3.0, 4.0, 6.0, 8.0),  # m
     "lane_selection.UNKNOWN_HEIGHT": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
     "lane_selection.LONE_PIECE": (1.5, 3.0, 6.0),  # m
-    "lane_selection.run_min": (0.5, 1.0, 2.0, 3.0, 4.0),  # m
     "lane_selection.start_max": (14.0, 20.0, 26.0),  # m
     "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
     "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m

@@ -183,7 +183,6 @@ class LaneSelectionConfig(Parameters):
     contrast_min: float = parameter(
         0.03, "Weber contrast of the paint against the road on both sides.", limits=(-1.0, 1.0)
     )
-    run_min: float = parameter(1.5, "Shortest piece of paint.", unit="m", limits=(0.0, 20.0))
     start_max: float = parameter(22.0, "Farthest beginning of a line.", unit="m", limits=(5.0, 100.0))
     score_min: float = parameter(
         2.2, "Net metres of paint of a line beside another one.", unit="m", limits=(0.5, 20.0)

@@ -40,7 +40,6 @@ def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig
         and not _is_kerb(evidence)
         and evidence.slope <= config.slope_max + SLOPE_PER_BEND * abs(bend)
         and evidence.roughness <= config.roughness_max
-        and evidence.run >= config.run_min
         and line.s[0] <= config.start_max
     )
 

@@ -85,7 +85,7 @@ def test_processes_answer_as_the_detector_does_with_names_replaced_or_not(pairs)
 
 def test_what_is_remembered_changes_no_verdict(pairs):
     memory = judged_set.Memory()
-    strict = replaced(DetectorConfig(), {"lane_selection.run_min": 19.0})
+    strict = replaced(DetectorConfig(), {"lane_selection.start_max": 5.0})
     for config in (DetectorConfig(), strict, DetectorConfig()):
         with memory.in_use():
             remembered = pairs[0].detected(config).lanes
@@ -118,7 +118,7 @@ def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
     with patch("lane_dp_ros.core.lane_detector.dense_disparity", dense_disparity):
         for value in (1.0, 2.0):
             with memory.in_use():
-                pairs[0].detected(replaced(DetectorConfig(), {"lane_selection.run_min": value}))
+                pairs[0].detected(replaced(DetectorConfig(), {"lane_selection.score_min": value}))
         assert len(calls) == 1
         with memory.in_use():
             pairs[0].detected(replaced(DetectorConfig(), {"disparity.P1": 500}))

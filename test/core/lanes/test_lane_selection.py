@@ -71,7 +71,6 @@ def test_good_evidence_makes_a_lane():
         ("height", CONFIG.height_max, CONFIG.height_max + 0.01),
         ("slope", CONFIG.slope_max, CONFIG.slope_max + 0.01),
         ("roughness", CONFIG.roughness_max, CONFIG.roughness_max + 0.01),
-        ("run", CONFIG.run_min, CONFIG.run_min - 0.01),
     ],
 )
 def test_each_piece_of_evidence_can_speak_against_a_line(field, good, bad):
