@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 GAP_MAX = 12.0  # m between two dashes, the longest in use (motorways: 6 m of paint, 12 m of gap)
 DASH_MIN = 0.5  # m of paint; the rest of a dash may lie outside the view
 LOOK_BACK = 8.0  # m at the end of a line that tell where it points to
+TURN_MAX = 0.1  # lateral over forward; paint that runs otherwise is of another line
 PAINTED = 0.5  # weight of the paint's centre
 BLANK_COST = 0.15  # m of paint that a metre of gap costs
 NEAR, FAR = 0, -1  # the ends of a line
@@ -42,6 +43,9 @@ def _to_next_dash(line: LaneLine, end: int, view: BirdsEyeView, graph: LaneGraph
     if dash is None or dash[0] * per_row > GAP_MAX:
         return None
     first, last = dash
+    centre, _ = view.paint_centres(graph, rows[first:last], (n[first:last] - view.n[0]) / per_column)
+    if last - first > 2 and abs(np.polyfit(view.s[rows[first:last]], centre - n[first:last], 1)[0]) > TURN_MAX:
+        return None  # another line's paint, which this one crosses
     rows, n = rows[:last], n[:last]
     if end == FAR:
         rows, n = np.concatenate([line.rows, rows]), np.concatenate([line.n, n])

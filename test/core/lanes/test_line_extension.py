@@ -165,3 +165,15 @@ def test_whatever_is_painted_a_longer_line_is_a_line(painted_road, dash, shape, 
     np.testing.assert_array_equal(longer.s, view.s[longer.rows])
     assert longer.n.shape == longer.s.shape
     assert np.isfinite([*longer.n, longer.bend]).all()
+
+
+@pytest.mark.parametrize("slope", [-0.15, 0.15])
+def test_paint_of_a_line_that_it_crosses_is_not_its_own(painted_road, slope):
+    """A streak that runs into a border line is not that line."""
+
+    def streak(s):
+        return N + slope * (s - 12)
+
+    view, graph = painted_road(length=LENGTH).line(N).line(streak, first=20).bands()
+    line = piece(view, streak, 20, 40, score=10.0)
+    assert extend_line(line, view, graph) is line
