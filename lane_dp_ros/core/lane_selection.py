@@ -14,8 +14,8 @@ from lane_dp_ros.core.data import LaneEvidence, LaneLine
 BREADTH_MAX = 1.04  # contrast of a 0.45 m band over that of a 0.15 m one; more is a verge or a light patch
 SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
 
-# What a kerb, a gutter or a verge has and paint lacks; it takes one of these and little contrast.
-KERB_CONTRAST = 0.3
+# What a kerb, a gutter or a verge has and paint lacks: little contrast, and one of the others.
+KERB_CONTRAST, KERB_HEADROOM = 0.35, 0.3  # paint has more of one of them
 KERB_STEP = 0.08  # m that the ground beside it is higher
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
 KERB_WIDTH = 0.3  # m
