@@ -44,7 +44,10 @@ def _to_next_dash(line: LaneLine, end: int, view: BirdsEyeView, graph: LaneGraph
         return None
     first, last = dash
     centre, _ = view.paint_centres(graph, rows[first:last], (n[first:last] - view.n[0]) / per_column)
-    if last - first > 2 and abs(np.polyfit(view.s[rows[first:last]], centre - n[first:last], 1)[0]) > TURN_MAX:
+    if (
+        last - first > 2
+        and abs(np.polyfit(view.s[rows[first:last]], centre - n[first:last], 1)[0]) > TURN_MAX
+    ):
         return None  # another line's paint, which this one crosses
     rows, n = rows[:last], n[:last]
     if end == FAR:
