@@ -15,7 +15,7 @@ BREADTH_MAX = 1.04  # contrast of a 0.45 m band over that of a 0.15 m one; more 
 SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
 
 # What a kerb, a gutter or a verge has and paint lacks: little contrast, and one of the others.
-KERB_CONTRAST, KERB_HEADROOM = 0.35, 0.3  # paint has more of one of them
+KERB_CONTRAST, KERB_HEADROOM = 0.35, 0.35  # paint has more of one of them
 KERB_STEP = 0.08  # m that the ground beside it is higher
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
 KERB_WIDTH = 0.3  # m
@@ -49,7 +49,7 @@ def _is_kerb(evidence: LaneEvidence) -> bool:
     unbroken = evidence.run >= UNBROKEN
     return (
         evidence.contrast < KERB_CONTRAST
-        and evidence.headroom < KERB_CONTRAST
+        and evidence.headroom < KERB_HEADROOM
         and (
             evidence.step > KERB_STEP
             or (unbroken and evidence.paint_width > KERB_WIDTH)
