@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 ADDRESS = "127.0.0.1"
 LARGEST_REQUEST = 1_000_000  # bytes
+DROPPED = 4 * LARGEST_REQUEST  # bytes of a larger request that are read for nothing, the rest is cut off
 STATIC = {
     "/": ("index.html", "text/html; charset=utf-8"),
     "/review.css": ("review.css", "text/css; charset=utf-8"),
@@ -122,7 +123,9 @@ class Handler(BaseHTTPRequestHandler):
         """Return the JSON that was sent; another site's form cannot send that type."""
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or int(length) > LARGEST_REQUEST:
-            self.close_connection = True  # what was sent stays unread
+            self.close_connection = True
+            if length.isdecimal():  # a sender that is cut off in the middle does not get to read the answer
+                self.rfile.read(min(int(length), DROPPED))
             raise RefusedError(
                 HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"expected at most {LARGEST_REQUEST} bytes"
             )
