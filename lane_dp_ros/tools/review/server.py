@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 import threading
 from collections.abc import Iterator
@@ -40,8 +41,11 @@ class ReviewServer(ThreadingHTTPServer):
         return f"http://{ADDRESS}:{self.server_port}/"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Keep quiet about pages that were closed; show any other error that nobody expected."""
-        if not isinstance(sys.exc_info()[1], GONE):
+        """Keep quiet about connections that were closed; show any other error that nobody expected."""
+        error = sys.exc_info()[1]
+        # An interrupt in the very moment of accepting a connection closes it before its thread looks at it.
+        closed_here = isinstance(error, OSError) and error.errno == errno.EBADF
+        if not closed_here and not isinstance(error, GONE):
             super().handle_error(request, client_address)
 
     def serve(self, review: Review) -> None:
