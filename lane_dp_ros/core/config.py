@@ -202,7 +202,7 @@ class LaneSelectionConfig(Parameters):
 class TrackingConfig(Parameters):
     """Lines over time."""
 
-    enabled: bool = parameter(True, "Smooth lines over time and bridge short losses; else give ids only.")
+    enabled: bool = parameter(True, "Smooth lines, bridge short losses, steady the axis; else give ids only.")
     bridge_time: float = parameter(
         0.5, "How long a lost line is published where it must be by now.", unit="s", limits=(0.0, 0.5)
     )
