@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from command_line import KNOWN_ERRORS, exit_code, parser_of
 from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
 from lane_dp_ros.core.config import DetectorConfig
@@ -24,7 +25,6 @@ from lane_dp_ros.core.data import BirdsEyeView, LaneLine, RoadEdges
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis
 from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError, one_line
 from lane_dp_ros.tools.evaluation import FrameResult
 from lane_dp_ros.tools.evaluation_text import Column, cell
 from lane_dp_ros.tools.parallel import available_cpus
@@ -203,17 +203,11 @@ def run(arguments: argparse.Namespace) -> None:
 
 def main() -> int:
     """Judge and print; 1 for a known error, in one line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", type=Path, metavar="DATA")
+    parser = parser_of(__doc__)
     parser.add_argument("suite", type=Path, metavar="SUITE")
     parser.add_argument("--only", default="", metavar="TEXT", help="changes with this in their name")
     parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
-    try:
-        run(parser.parse_args())
-    except (CommandError, ValueError, AttributeError, OSError) as error:
-        print(one_line(error), file=sys.stderr)
-        return 1
-    return 0
+    return exit_code(run, parser.parse_args(), (*KNOWN_ERRORS, AttributeError))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from unittest.mock import patch
 
 import numpy as np
 import yaml
+from command_line import exit_code, parser_of
 from judged_set import JudgedPair, kitti_pairs, labelled_pairs
 from numpy.typing import NDArray
 
@@ -31,7 +32,7 @@ from lane_dp_ros.core.data import LaneEvidence, LaneLine
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.reliability import Reliability, reliability
 
 Floats = NDArray[np.float64]
@@ -179,17 +180,11 @@ def _setting(text: str) -> tuple[str, Any]:
 
 def main() -> int:
     """Count, fit and print; 1 for a known error, in one line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", type=Path, metavar="DATA")
+    parser = parser_of(__doc__)
     parser.add_argument("suite", type=Path, nargs="?", metavar="SUITE")
     parser.add_argument("--evidence", default="score", metavar="NAMES", help="default: score")
     parser.add_argument("--set", type=_setting, action="append", default=[], metavar="NAME=VALUE")
-    try:
-        run(parser.parse_args())
-    except (CommandError, ValueError, OSError) as error:
-        print(one_line(error), file=sys.stderr)
-        return 1
-    return 0
+    return exit_code(run, parser.parse_args())
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+from command_line import exit_code
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.camera import StereoCamera
@@ -34,7 +35,7 @@ from lane_dp_ros.tools import evaluate
 from lane_dp_ros.tools.answers import BagAnswers, FrameAnswer, file_answers
 from lane_dp_ros.tools.bag import BagReader
 from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.parallel import available_cpus, parallel_map
 from lane_dp_ros.tools.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.tools.truth import LabelledFrame
@@ -116,14 +117,13 @@ def main() -> int:
     parser.add_argument("file", type=Path, metavar="FILE.py")
     evaluate.add_arguments(parser)
     parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
-    arguments = parser.parse_args()
-    try:
-        function_of(arguments.file)
-        evaluate.run(arguments, FunctionChoice(jobs=arguments.jobs, file=arguments.file))
-    except (CommandError, ValueError, OSError) as error:
-        print(one_line(error), file=sys.stderr)
-        return 1
-    return 0
+    return exit_code(run, parser.parse_args())
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Judge what the file's function finds; the file is read first, to say at once what it lacks."""
+    function_of(arguments.file)
+    evaluate.run(arguments, FunctionChoice(jobs=arguments.jobs, file=arguments.file))
 
 
 if __name__ == "__main__":

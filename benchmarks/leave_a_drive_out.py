@@ -22,10 +22,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from command_line import KNOWN_ERRORS, exit_code, parser_of
 from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs, patched
 from thresholds import THRESHOLDS, changed, shipped
 
-from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.evaluation import Summary
 from lane_dp_ros.tools.evaluation_text import COLUMNS, table
 from lane_dp_ros.tools.parallel import available_cpus
@@ -167,16 +168,10 @@ def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> 
 
 def main() -> int:
     """Search and print; 1 for a known error, in one line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", type=Path, metavar="DATA")
+    parser = parser_of(__doc__)
     parser.add_argument("--suite", type=Path, metavar="DIR", help="a folder of lane_dp scenes")
     parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
-    try:
-        run(parser.parse_args())
-    except (CommandError, ValueError, AttributeError, OSError) as error:
-        print(one_line(error), file=sys.stderr)
-        return 1
-    return 0
+    return exit_code(run, parser.parse_args(), (*KNOWN_ERRORS, AttributeError))
 
 
 if __name__ == "__main__":

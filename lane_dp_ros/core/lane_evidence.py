@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine
+from lane_dp_ros.core.runs import runs_of
 
 Floats = NDArray[np.float32]
 
@@ -44,11 +45,12 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneE
     width, breadth = _band_shape(sections, view.resolution[0])
     contrast, headroom = _contrast(sections)
     near = line.s < HEIGHT_DEPTH
+    height = _height(view, line.rows[near], around[near])
     return LaneEvidence(
         paint_width=width,
         breadth=breadth,
-        height=_height(view, line.rows[near], around[near]),
-        step=_step(view, line.rows[near], centre[near]),
+        height=height,
+        step=_step(view, line.rows[near], centre[near], height),
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
         roughness=_roughness(line.rows, centre, view, graph),
         contrast=contrast,
@@ -151,17 +153,15 @@ def _height(view: BirdsEyeView, rows: NDArray[np.intp], around: NDArray[np.intp]
     return float(middle) if high - low <= HEIGHT_SPREAD else np.nan
 
 
-def _step(view: BirdsEyeView, rows: NDArray[np.intp], centre: NDArray[np.intp]) -> float:
-    """Return how much higher [m] the ground beside the line is than the line, on its higher side."""
+def _step(view: BirdsEyeView, rows: NDArray[np.intp], centre: NDArray[np.intp], height: float) -> float:
+    """Return how much higher [m] the ground beside the line of that `height` is, on its higher side."""
     first, last = (round(d / view.resolution[1]) for d in STEP)
-    reach = round(NEAR_LINE / view.resolution[1])
     aside = np.arange(first, last + 1)
-    here, left, right = (
+    grounds = (
         _height(view, rows, np.clip(centre[:, None] + columns, 0, len(view.n) - 1))
-        for columns in (np.arange(-reach, reach + 1), -aside, aside)
+        for columns in (-aside, aside)
     )
-    steps = [side - here for side in (left, right) if np.isfinite(side - here)]
-    return max(steps, default=0.0)
+    return max((ground - height for ground in grounds if np.isfinite(ground - height)), default=0.0)
 
 
 def _roughness(
@@ -176,15 +176,11 @@ def _roughness(
 
 def _dashes(painted: NDArray[np.bool_], per_row: float) -> int:
     """Return the number of pieces of paint that are long enough to be dashes."""
-    change = np.diff(np.concatenate([[0], painted.astype(int), [0]]))
-    lengths = np.flatnonzero(change == -1) - np.flatnonzero(change == 1)
-    return int(np.count_nonzero(lengths * per_row >= DASH))
+    return int(np.count_nonzero(np.diff(runs_of(painted)) * per_row >= DASH))
 
 
 def _longest_run(painted: NDArray[np.bool_], per_row: float) -> float:
     """Return the length [m] of the longest run of painted rows, gaps of up to `GAP_BRIDGED` bridged."""
     kernel = np.ones((round(GAP_BRIDGED / per_row) | 1, 1), np.uint8)
     closed = cv2.morphologyEx(painted.astype(np.uint8)[:, None].copy(), cv2.MORPH_CLOSE, kernel).ravel()
-    change = np.diff(np.concatenate([[0], closed.astype(int), [0]]))
-    lengths = np.flatnonzero(change == -1) - np.flatnonzero(change == 1)
-    return float(lengths.max() * per_row) if len(lengths) else 0.0
+    return float(np.diff(runs_of(closed > 0)).max(initial=0) * per_row)

@@ -68,7 +68,7 @@ def search_lanes(
         fitted = [fit_line(path, view, graph, config.lane_model, rng) for path in paths]
         lines = [line for line in fitted if line is not None]
         if config.path_search.free_ends:
-            lines = [extend_line(line, view, graph) for line in lines]
+            lines = [extend_line(line, view, graph, config.path_search.blank_cost) for line in lines]
     with watch("lane_selection"):
         candidates = tuple((line, line_evidence(line, view, graph)) for line in lines)
         lanes = _chosen(candidates, view, graph, config) if config.lane_selection.evidence else candidates

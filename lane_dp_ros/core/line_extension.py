@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine
 from lane_dp_ros.core.lane_model import polynomial_fit
+from lane_dp_ros.core.runs import runs_of
 
 Floats = NDArray[np.float64]
 
@@ -17,47 +18,48 @@ DASH_MIN = 0.5  # m of paint; the rest of a dash may lie outside the view
 LOOK_BACK = 8.0  # m at the end of a line that tell where it points to
 TURN_MAX = 0.1  # lateral over forward; paint that runs otherwise is of another line
 PAINTED = 0.5  # weight of the paint's centre
-BLANK_COST = 0.15  # m of paint that a metre of gap costs
 NEAR, FAR = 0, -1  # the ends of a line
 
 
-def extend_line(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneLine:
+def extend_line(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank_cost: float) -> LaneLine:
     """Return the line, extended at both ends over gaps of at most `GAP_MAX` to further paint.
 
-    What it gains in score is the paint less what the gap costs; a gap never takes score away.
+    What it gains in score [m] is the paint less what the gap costs, `blank_cost` a metre of both; a gap never
+    takes score away.
     """
     for end in (FAR, NEAR):
-        while (longer := _to_next_dash(line, end, view, graph)) is not None:
+        while (longer := _to_next_dash(line, end, view, graph, blank_cost)) is not None:
             line = longer
     return line
 
 
-def _to_next_dash(line: LaneLine, end: int, view: BirdsEyeView, graph: LaneGraph) -> LaneLine | None:
+def _to_next_dash(
+    line: LaneLine, end: int, view: BirdsEyeView, graph: LaneGraph, blank_cost: float
+) -> LaneLine | None:
     """Return the line with the next dash beyond its `end`, fitted anew; None where there is none."""
     per_row, per_column = view.resolution
     rows = _rows_beyond(line, end, view)
-    n = line.n[end] + _slope(line, end) * (view.s[rows] - line.s[end])
-    _, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
+    s = view.s[rows]
+    n = line.n[end] + _slope(line, end) * (s - line.s[end])
+    centre, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
     painted = (weight > PAINTED) & (n > view.n[0]) & (n < view.n[-1])
     dash = _first_run(painted, round(DASH_MIN / per_row))
-    if dash is None or dash[0] * per_row > GAP_MAX:
+    if dash is None or dash.start * per_row > GAP_MAX or _turns(s[dash], (centre - n)[dash]):
         return None
-    first, last = dash
-    centre, _ = view.paint_centres(graph, rows[first:last], (n[first:last] - view.n[0]) / per_column)
-    if (
-        last - first > 2
-        and abs(np.polyfit(view.s[rows[first:last]], centre - n[first:last], 1)[0]) > TURN_MAX
-    ):
-        return None  # another line's paint, which this one crosses
-    rows, n = rows[:last], n[:last]
+    rows, n = rows[: dash.stop], n[: dash.stop]
     if end == FAR:
         rows, n = np.concatenate([line.rows, rows]), np.concatenate([line.n, n])
     else:
         rows, n = np.concatenate([rows[::-1], line.rows]), np.concatenate([n[::-1], line.n])
     centre, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
     fitted, bend = polynomial_fit(view.s[rows], centre, weight)
-    gain = (last - first - BLANK_COST * last) * per_row
+    gain = (dash.stop - dash.start - blank_cost * dash.stop) * per_row
     return LaneLine(rows, view.s[rows], fitted, bend, line.score + max(gain, 0.0))
+
+
+def _turns(s: Floats, aside: Floats) -> bool:
+    """Return whether paint `aside` [m] of where the line points to is of a line that this one crosses."""
+    return len(s) > 2 and abs(float(np.polyfit(s, aside, 1)[0])) > TURN_MAX
 
 
 def _rows_beyond(line: LaneLine, end: int, view: BirdsEyeView) -> NDArray[np.intp]:
@@ -73,9 +75,8 @@ def _slope(line: LaneLine, end: int) -> float:
     return float(np.polyfit(line.s[last], line.n[last], 1)[0])
 
 
-def _first_run(painted: NDArray[np.bool_], shortest: int) -> tuple[int, int] | None:
-    """Return the first row of the first run of at least `shortest` painted rows, and the row after it."""
-    change = np.flatnonzero(np.diff(np.concatenate([[0], painted.astype(int), [0]])))
-    runs = change.reshape(-1, 2)
-    long = runs[runs[:, 1] - runs[:, 0] >= max(shortest, 1)]
-    return (int(long[0, 0]), int(long[0, 1])) if len(long) else None
+def _first_run(painted: NDArray[np.bool_], shortest: int) -> slice | None:
+    """Return the first run of at least `shortest` painted rows."""
+    runs = runs_of(painted)
+    long = runs[np.diff(runs)[:, 0] >= shortest]
+    return slice(*long[0].tolist()) if len(long) else None

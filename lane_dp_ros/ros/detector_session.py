@@ -77,6 +77,7 @@ def run_session(reader: BagReader, writer: BagWriter, log: Path) -> Session:
 
 def _recorder(session: Session, writer: BagWriter, topic: str, type_name: str) -> Callable[[bytes], None]:
     def record(data: bytes) -> None:
+        """Write a message down, and when lanes came."""
         if topic == "lanes":
             session.answers.append((time.monotonic_ns(), data))
         writer.write_raw(RawMessage(f"/{topic}", type_name, time.time_ns(), data))

@@ -59,9 +59,8 @@ class LanePipeline:
         self._tracker = LaneTracker()
         self._check = SelfCheck()
         self._rows_ns = 0  # when the rows were compared last
-        self._known: tuple[
-            Lane, ...
-        ] = ()  # the lines that the last measured road bore, where they are by now
+        # The lines that the last measured road bore, where they are by now.
+        self._known: tuple[Lane, ...] = ()
 
     def answer(self, pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Answer:
         """Return what is found in a pair, see `detect_pair`; the pairs must come in order."""

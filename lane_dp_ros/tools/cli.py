@@ -231,6 +231,7 @@ def _ended_by_sigterm() -> Iterator[None]:
     """Let SIGTERM end the block like an error, so that half-written files and child processes go, too."""
 
     def end(_signal: int, _frame: FrameType | None) -> None:
+        """End the process by an exception."""
         sys.exit(TERMINATED)
 
     before = signal.signal(signal.SIGTERM, end)

@@ -54,6 +54,7 @@ def draw_birds_eye(birds_eye: BirdsEyeView, left_image: Image8, lanes: Iterable[
     _draw_grid_lines(view, birds_eye)
 
     def to_view(points: Floats) -> Floats:
+        """Return the pixels (N, 2) of the view that show points (N, 3) [m] of the left optical frame."""
         # In both worlds whole numbers are the centres, of cells and of pixels.
         return (birds_eye.cells(points) + 0.5) * (per_column, per_row) - 0.5
 

@@ -147,6 +147,7 @@ def _plan(result: FrameResult, frame: LabelledFrame | None) -> str:
     left, right, near, far = PLAN
 
     def place(xz: Floats) -> Floats:
+        """Return where (x, z) (N, 2) [m] lies in the plan [m], from its upper left corner."""
         return np.column_stack([xz[:, 0] - left, far - xz[:, 1]])
 
     labels = [

@@ -48,6 +48,7 @@ def aged(make: Make) -> Make:
     """Return a category whose asphalt is darker or lighter from seed to seed."""
 
     def aged(rng: Rng) -> Scene:
+        """Make the scene and change its asphalt."""
         scene = make(rng)
         return replace(scene, road=replace(scene.road, asphalt=scene.road.asphalt * rng.uniform(0.8, 1.15)))
 

@@ -46,6 +46,7 @@ def legible(
     independent = np.maximum(np.minimum(samples, _sums(used * section.pixels, reach)), 1)
 
     def mean(values: Floats) -> Floats:
+        """Return the mean (N,) over 3 m of paint of values at the samples (N * FINE,)."""
         return _sums(used * values, reach) / samples
 
     left, right = (mean(contrast) for contrast in section.contrasts)

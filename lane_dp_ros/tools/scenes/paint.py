@@ -54,6 +54,7 @@ def striped(place: Singles, reach: Singles, stripe: float, gap: float) -> Single
     """Return the share of stripes that come every `stripe` + `gap` [m]."""
 
     def painted(s: Singles) -> Singles:
+        """Return how many metres of [0, s] are painted."""
         whole = np.floor(s / (stripe + gap))
         return whole * stripe + np.minimum(s - whole * (stripe + gap), stripe)
 

@@ -7,11 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lane_dp_ros.core.config import PathSearchConfig
 from lane_dp_ros.core.data import LaneLine
-from lane_dp_ros.core.line_extension import BLANK_COST, DASH_MIN, GAP_MAX, extend_line
+from lane_dp_ros.core.line_extension import DASH_MIN, GAP_MAX, extend_line
 
 N = -1.725  # m
 ROW = 0.25  # m, a row of a drawn road
+BLANK_COST = PathSearchConfig().blank_cost
 LENGTH = 36.0  # m, from 4 m to 40 m
 FIRST, LAST = 12.0, 16.0  # m; the piece that the search found
 
@@ -44,7 +46,7 @@ def piece(view, course, first=FIRST, last=LAST, score=3.4):
 def extended(road, course, first=FIRST, last=LAST, score=3.4):
     view, graph = road.bands()
     line = piece(view, course, first, last, score)
-    return line, extend_line(line, view, graph)
+    return line, extend_line(line, view, graph, BLANK_COST)
 
 
 def spans(line, first, last):
@@ -158,7 +160,7 @@ def test_whatever_is_painted_a_longer_line_is_a_line(painted_road, dash, shape, 
     view, graph = road.bands()
     rows = np.arange(len(view.s))[::-1][span[0] : sum(span)]
     line = LaneLine(rows, view.s[rows], course(view.s[rows]), 0.0, 2.0)
-    longer = extend_line(line, view, graph)
+    longer = extend_line(line, view, graph, BLANK_COST)
     assert longer.score >= line.score
     assert np.all(np.diff(longer.rows) == -1)
     assert set(line.rows) <= set(longer.rows) <= set(range(len(view.s)))
@@ -176,4 +178,4 @@ def test_paint_of_a_line_that_it_crosses_is_not_its_own(painted_road, slope):
 
     view, graph = painted_road(length=LENGTH).line(N).line(streak, first=20).bands()
     line = piece(view, streak, 20, 40, score=10.0)
-    assert extend_line(line, view, graph) is line
+    assert extend_line(line, view, graph, BLANK_COST) is line
