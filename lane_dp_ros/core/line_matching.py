@@ -10,26 +10,25 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def match_in_order(distances: Floats, limit: float) -> list[tuple[int, int]]:
-    """Return the pairs (row, column) that match most and nearest, in order of both.
+def match_in_order(gains: Floats) -> list[tuple[int, int]]:
+    """Return the pairs (row, column) that gain most together, in order of both.
 
-    `distances` (M, N): of each known line (row) to each found one (column), both from left to right;
-    pairs of more than `limit` never match. Dynamic programming maximises the sum of (limit - distance) over
-    the pairs (Needleman, Wunsch 1970, align two sequences so): lines do not cross from frame to frame.
+    `gains` (M, N): of each known line (row) matched with each found one (column), both from left to right;
+    pairs that gain nothing never match. Dynamic programming maximises the sum of the gains over the pairs
+    (Needleman, Wunsch 1970, align two sequences so): lines do not cross from frame to frame.
     """
-    gain = limit - distances
-    best = np.zeros((len(distances) + 1, distances.shape[1] + 1))
-    for i, j in np.ndindex(distances.shape):
-        paired = best[i, j] + gain[i, j] if gain[i, j] >= 0 else -np.inf
+    best = np.zeros((len(gains) + 1, gains.shape[1] + 1))
+    for i, j in np.ndindex(gains.shape):
+        paired = best[i, j] + gains[i, j] if gains[i, j] > 0 else -np.inf
         best[i + 1, j + 1] = max(best[i, j + 1], best[i + 1, j], paired)
-    return _trace_back(best, gain)
+    return _trace_back(best, gains)
 
 
-def _trace_back(best: Floats, gain: Floats) -> list[tuple[int, int]]:
-    i, j = gain.shape
+def _trace_back(best: Floats, gains: Floats) -> list[tuple[int, int]]:
+    i, j = gains.shape
     pairs = []
     while i and j:
-        if gain[i - 1, j - 1] >= 0 and best[i, j] == best[i - 1, j - 1] + gain[i - 1, j - 1]:
+        if gains[i - 1, j - 1] > 0 and best[i, j] == best[i - 1, j - 1] + gains[i - 1, j - 1]:
             i, j = i - 1, j - 1
             pairs.append((i, j))
         elif best[i, j] == best[i - 1, j]:

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.line_course import Course, common_axis, first_axis, lateral_distance, surface_change
+from lane_dp_ros.core.line_course import Course, agreement, common_axis, first_axis, surface_change
 from lane_dp_ros.core.line_filter import Aside, LineFilter
 from lane_dp_ros.core.line_matching import match_in_order
 
 COMPARED = 3.0  # m; lines that lie farther apart on the whole are not the same
 SAME_LINE = 0.5  # m; from one frame to the next a line leaves its prediction by less
+BARELY = 0.0075  # 1/m; what two offsets tell counts like a share of 3 m at 20 m, see `agreement`
 
 
 @dataclass(frozen=True)
@@ -66,11 +67,11 @@ class LineMemory:
         """Return index of sighting -> id for the known lines among them."""
         known = sorted((line.course.place(self.axis), i) for i, line in self.lines.items())
         new = sorted((seen.course.place(self.axis), i) for i, seen in enumerate(sightings))
-        distances = np.full((len(known), len(new)), np.inf)
-        for row, column in np.ndindex(distances.shape):
+        gains = np.zeros((len(known), len(new)))
+        for row, column in np.ndindex(gains.shape):
             if abs(known[row][0] - new[column][0]) <= COMPARED:
-                distances[row, column] = self._distance(known[row][1], sightings[new[column][1]])
-        return {new[column][1]: known[row][1] for row, column in match_in_order(distances, SAME_LINE)}
+                gains[row, column] = self._likeness(known[row][1], sightings[new[column][1]])
+        return {new[column][1]: known[row][1] for row, column in match_in_order(gains)}
 
     def observe(self, found: Mapping[int, Sighting]) -> None:
         """Take in the lines that are seen; the others move along."""
@@ -98,10 +99,10 @@ class LineMemory:
         expected = self.lines[identity].course.slid(self._filter.slide(), self.axis)
         return course.onto(expected)
 
-    def _distance(self, identity: int, seen: Sighting) -> float:
+    def _likeness(self, identity: int, seen: Sighting) -> float:
         line = self.lines[identity]
-        beside = abs(line.offset - seen.lane.lateral_offset)
-        return min(beside, lateral_distance(line.course, seen.course))
+        beside = SAME_LINE - abs(line.offset - seen.lane.lateral_offset)
+        return max(BARELY * beside, agreement(line.course, seen.course, SAME_LINE))
 
     def _move(self) -> None:
         for identity, move in self._filter.take_moves().items():

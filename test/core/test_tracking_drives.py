@@ -220,6 +220,19 @@ def test_a_new_line_takes_the_place_of_a_lost_one():
     assert ids[2] not in [lane.id for lane in lanes]
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_what_runs_off_a_line_does_not_take_its_id(side):
+    """It leaves the line at 10 m; beside the vehicle, the two are one."""
+    drive = DRIVES["straight"]
+    tracker, ids = after(drive, 3)
+    lane = drive.lane(2, 3)
+    points = lane.points + np.column_stack([side * 0.1 * np.maximum(AHEAD - 10, 0), 0 * AHEAD, 0 * AHEAD])
+    stray = replace(lane, points=points)
+    seen = replace(lane, lateral_offset=lane.lateral_offset + 0.05)
+    lanes = tracker.update([*drive.lanes(3)[:2], stray, seen], 3 * FRAME)
+    assert [lane.id for lane in lanes] == [*ids[:2], 3, ids[2]]
+
+
 def crossing(slope):
     """Return a lane that runs off to the right, in between the known ones."""
     points = np.column_stack([0.2 + slope * (AHEAD - 6), np.full_like(AHEAD, HEIGHT), AHEAD])
