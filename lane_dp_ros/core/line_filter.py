@@ -103,9 +103,13 @@ class LineFilter:
         """Take in how far a line is from its course."""
         surprise = self.surprise(identity, seen)
         if surprise > GATE:
-            # It went where neither its past nor the other lines lead: it alone, and at once.
+            # It went where neither its past nor the other lines lead: it alone, and at once. So where it
+            # is by now says the less of how it drifts, and of how the vehicle moves.
             own = self._shape(identity)
-            self._covariance[own, own] += np.diag(FIRST_SIGMA[:SHAPE] ** 2) * surprise
+            itself = self._covariance[own, own] + np.diag(FIRST_SIGMA[:SHAPE] ** 2) * surprise
+            self._covariance[own] /= surprise
+            self._covariance[:, own] /= surprise
+            self._covariance[own, own] = itself
         rows = self._rows(identity, seen)
         gain = self._covariance @ rows.T @ self._weight(rows, seen)
         kept = np.eye(len(self._mean)) - gain @ rows
