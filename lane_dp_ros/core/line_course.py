@@ -16,7 +16,6 @@ from lane_dp_ros.core.road import RoadAxis
 Floats = NDArray[np.float64]
 
 SHARED = 3.0  # m that two lines must share to be compared there
-NEAREST = 1.0  # m; no camera sees the road nearer
 SAMPLES = 8  # of a line: enough for its shape
 SURFACE_SIGMA = np.array([0.05, 0.01, 0.01])  # m, 1, 1: so height, pitch and roll change from frame to frame
 DOWN_SIGMA = 0.02  # m, of a point
@@ -146,23 +145,6 @@ def common_axis(courses: Sequence[Course]) -> RoadAxis:
     fitted = np.linalg.lstsq(np.vstack([prior, columns]), np.append([0.0, 0.0], y), rcond=None)[0]
     heading, curvature = np.clip(fitted[:2], -AXIS_MAX, AXIS_MAX)
     return RoadAxis(float(heading), float(curvature))
-
-
-def agreement(a: Course, b: Course, limit: float) -> float:
-    """Return how much of the picture two lines share, times by how much less than `limit` [m] they are apart.
-
-    The picture's rows lie at equal steps of 1/s, and each counts the same: near the camera, where lines are
-    seen best, a metre has most of them. A part that runs off elsewhere counts nothing, but spoils nothing.
-    0 where the lines share too little to be compared, or are farther apart in most rows.
-    """
-    first, last = max(a.s[0], b.s[0], NEAREST), min(a.s[-1], b.s[-1])
-    if last - first < SHARED:
-        return 0.0
-    s = 1 / np.linspace(1 / first, 1 / last, SAMPLES)
-    apart = np.abs(np.interp(s, a.s, a.y) - np.interp(s, b.s, b.y))
-    if np.median(apart) > limit:
-        return 0.0
-    return float(np.mean(np.maximum(limit - apart, 0)) * (1 / first - 1 / last))
 
 
 def surface_change(pairs: Iterable[tuple[Course, Course]]) -> Floats:

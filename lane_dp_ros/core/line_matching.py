@@ -1,13 +1,21 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which line of this frame is which of the frames before: one to one, and none overtakes another."""
+"""Which line of this frame is which of the frames before, and whether it lies on its own paint."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.line_course import SHARED, Course
+
 Floats = NDArray[np.float64]
+
+NEAREST = 1.0  # m; no camera sees the road nearer
+ROWS = 16  # of the picture, in which two lines are compared
+STRAYED = 2  # rows; in one alone, a line may be off by chance
 
 
 def match_in_order(gains: Floats) -> list[tuple[int, int]]:
@@ -36,3 +44,50 @@ def _trace_back(best: Floats, gains: Floats) -> list[tuple[int, int]]:
         else:
             j -= 1
     return pairs[::-1]
+
+
+def agreement(a: Course, b: Course, limit: float) -> float:
+    """Return how much of the picture two lines share, times by how much less than `limit` [m] they are apart.
+
+    Near the camera, where lines are seen best, a metre counts most, see `shared_rows`. A part that runs off
+    elsewhere counts nothing, but spoils nothing. 0 where the lines share too little to be compared, or are
+    farther apart in most rows.
+    """
+    s = shared_rows(a, b)
+    apart = np.abs(np.interp(s, a.s, a.y) - np.interp(s, b.s, b.y))
+    if len(s) == 0 or np.median(apart) > limit:
+        return 0.0
+    return float(np.mean(np.maximum(limit - apart, 0)) * (1 / s[0] - 1 / s[-1]))
+
+
+def strayed(seen: Course, expected: Course, others: Iterable[Course]) -> bool:
+    """Whether a line was found, for a part, on the paint of `others` that are seen, too.
+
+    Paint lies still: it is that line's to whose course it lies nearer. But where the course expected lies
+    nearer to another line than what is seen, it is itself that went astray before. What has more such rows
+    is wrong.
+    """
+    s = shared_rows(seen, expected)
+    here, there = np.interp(s, seen.s, seen.y), np.interp(s, expected.s, expected.y)
+    beside_here, beside_there = (_beside(s, y, others) for y in (here, there))
+    apart = np.abs(here - there)
+    wrong = np.sum(beside_here < np.minimum(apart, beside_there))
+    right = np.sum(beside_there < np.minimum(apart, beside_here))
+    return bool(wrong >= STRAYED and wrong > right)
+
+
+def shared_rows(a: Course, b: Course) -> Floats:
+    """Return s [m] of what two lines share, from near to far in equal steps of the picture's rows, of 1/s.
+
+    None where they share less than `SHARED`.
+    """
+    first, last = max(a.s[0], b.s[0], NEAREST), min(a.s[-1], b.s[-1])
+    return 1 / np.linspace(1 / first, 1 / last, ROWS) if last - first >= SHARED else np.empty(0)
+
+
+def _beside(s: Floats, y: Floats, others: Iterable[Course]) -> Floats:
+    """Return the distance [m] of points to the nearest of other lines, inf where none runs."""
+    nearest = np.full_like(s, np.inf)
+    for other in others:
+        nearest = np.minimum(nearest, np.abs(y - np.interp(s, other.s, other.y, np.inf, np.inf)))
+    return nearest

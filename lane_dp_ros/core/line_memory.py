@@ -4,15 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.line_course import Course, agreement, common_axis, first_axis, surface_change
+from lane_dp_ros.core.line_course import Course, common_axis, first_axis, surface_change
 from lane_dp_ros.core.line_filter import Aside, LineFilter
-from lane_dp_ros.core.line_matching import match_in_order
+from lane_dp_ros.core.line_matching import agreement, match_in_order, strayed
 
 COMPARED = 3.0  # m; lines that lie farther apart on the whole are not the same
 SAME_LINE = 0.5  # m; from one frame to the next a line leaves its prediction by less
@@ -73,8 +73,41 @@ class LineMemory:
                 gains[row, column] = self._likeness(known[row][1], sightings[new[column][1]])
         return {new[column][1]: known[row][1] for row, column in match_in_order(gains)}
 
-    def observe(self, found: Mapping[int, Sighting]) -> None:
-        """Take in the lines that are seen; the others move along."""
+    def observe(self, found: Mapping[int, Sighting], may_stray: Collection[int] = ()) -> set[int]:
+        """Take in the lines that are seen; the others move along.
+
+        So do those of `may_stray` that were found, for a part, on the paint of another; they are returned.
+        """
+        suspects = self._strayed(found) & set(may_stray)
+        placed = self._take_in({i: seen for i, seen in found.items() if i not in suspects})
+        # By now it is known how the vehicle moved, with which lines may have moved to where others were.
+        astray = self._strayed(found) & suspects
+        placed |= self._take_in({i: found[i] for i in suspects - astray})
+        taken_in = found.keys() - astray
+        for identity in taken_in - placed:
+            self._filter.begin(identity)
+        surface = surface_change(
+            (self.lines[i].course, found[i].course) for i in taken_in & self.lines.keys()
+        )
+        for identity in self.lines.keys() - taken_in:
+            self.lines[identity].course = self.lines[identity].course.lowered(surface)
+        return astray
+
+    def smoothed(self, identity: int, course: Course) -> Course:
+        """Return the course of a known line as it was found in this frame, moved to where it was expected."""
+        expected = self.lines[identity].course.slid(self._filter.slide(), self.axis)
+        return course.onto(expected)
+
+    def _strayed(self, found: Mapping[int, Sighting]) -> set[int]:
+        courses = {i: self.lines[i].course for i in found if i in self.lines}
+        return {
+            i
+            for i, course in courses.items()
+            if strayed(found[i].course, course, [other for j, other in courses.items() if j != i])
+        }
+
+    def _take_in(self, found: Mapping[int, Sighting]) -> set[int]:
+        """Move all lines as those found tell; return which of these could be compared with what was known."""
         known = {i: (self.lines[i].course, seen.course) for i, seen in found.items() if i in self.lines}
         parts = {i: (course, seen.within(course)) for i, (course, seen) in known.items()}
         asides = {
@@ -88,16 +121,7 @@ class LineMemory:
         for identity in sorted(asides, key=lambda i: self._filter.surprise(i, asides[i])):
             self._filter.observe(identity, asides[identity])
         self._move()
-        for identity in found.keys() - asides.keys():
-            self._filter.begin(identity)
-        surface = surface_change(known.values())
-        for identity in self.lines.keys() - found.keys():
-            self.lines[identity].course = self.lines[identity].course.lowered(surface)
-
-    def smoothed(self, identity: int, course: Course) -> Course:
-        """Return the course of a known line as it was found in this frame, moved to where it was expected."""
-        expected = self.lines[identity].course.slid(self._filter.slide(), self.axis)
-        return course.onto(expected)
+        return set(asides)
 
     def _likeness(self, identity: int, seen: Sighting) -> float:
         line = self.lines[identity]

@@ -14,7 +14,6 @@ from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lanes import ego_roles
 from lane_dp_ros.core.line_course import Course
 from lane_dp_ros.core.line_memory import KnownLine, LineMemory, Sighting
-from lane_dp_ros.core.road import RoadAxis
 
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SEEN_OFTEN = 5  # frames; what only looks like a line is mostly seen in fewer
@@ -30,7 +29,8 @@ class LaneTracker:
 
     It answers from the first frame on, which it leaves as it is. Lines that are seen again are smoothed; one
     that was seen often and is lost is published where it must be by now, for `bridge_time`, if nothing
-    contradicts; a line that comes back within a second keeps its id. Unless `enabled`, lines get ids only.
+    contradicts, and so is one that was found on the paint of another; a line that comes back within a second
+    keeps its id. Unless `enabled`, lines get ids only.
     """
 
     def __init__(self, config: TrackingConfig | None = None) -> None:
@@ -42,18 +42,24 @@ class LaneTracker:
     def update(self, lanes: Sequence[Lane], stamp_ns: int) -> tuple[Lane, ...]:
         """Return what is to be published for the frame of `stamp_ns`, in the left optical frame.
 
-        First the lanes given, in their order, then those bridged; all with their ids. A lane without points,
-        or with numbers that are none or beyond every road, is dropped.
+        First the lanes given, in their order, then those lost and bridged; all with their ids. A lane without
+        points, or with numbers that are none or beyond every road, is dropped.
         """
         lanes = [lane for lane in lanes if _is_usable(lane)]
         self._advance(lanes, stamp_ns)
         found = self._identified(lanes, stamp_ns)
-        self._memory.observe(found)
-        published = tuple(self._remember(identity, seen, stamp_ns) for identity, seen in found.items())
+        fresh = [i for i, line in self._memory.lines.items() if self._is_fresh(line, stamp_ns)]
+        astray = self._memory.observe(found, may_stray=fresh)
+        published = tuple(
+            self._bridged(identity, stamp_ns)
+            if identity in astray
+            else self._remember(identity, seen, stamp_ns)
+            for identity, seen in found.items()
+        )
         others = [self._memory.lines[identity] for identity in found]
-        lost = [line for line in self._lost(found, stamp_ns) if _stands(line, others)]
-        bridged = tuple(_bridged(line, self._memory.axis, stamp_ns) for line in lost)
-        return _with_roles(published + bridged) if bridged else published
+        lost = [i for i, line in self._lost(found, stamp_ns).items() if _stands(line, others)]
+        bridged = tuple(self._bridged(identity, stamp_ns) for identity in lost)
+        return _with_roles(published + bridged) if astray or bridged else published
 
     def _advance(self, lanes: Sequence[Lane], stamp_ns: int) -> None:
         """Move what is known on to this frame's time; begin anew when nothing is known or time jumps."""
@@ -80,14 +86,18 @@ class LaneTracker:
                 self._next_id += 1
         return found
 
-    def _lost(self, seen: Collection[int], stamp_ns: int) -> list[KnownLine]:
+    def _lost(self, seen: Collection[int], stamp_ns: int) -> dict[int, KnownLine]:
         """Return the lines to bridge: established, not seen now, but a moment ago."""
-        limit_ns = self.config.bridge_time * 1e9 if self.config.enabled else -1
-        return [
-            line
+        return {
+            identity: line
             for identity, line in self._memory.lines.items()
-            if identity not in seen and line.times_seen >= SEEN_OFTEN and stamp_ns - line.seen_ns <= limit_ns
-        ]
+            if identity not in seen and line.times_seen >= SEEN_OFTEN and self._is_fresh(line, stamp_ns)
+        }
+
+    def _is_fresh(self, line: KnownLine, stamp_ns: int) -> bool:
+        """Whether a line was seen so short a time ago that it may be bridged."""
+        limit_ns = self.config.bridge_time * 1e9 if self.config.enabled else -1
+        return stamp_ns - line.seen_ns <= limit_ns
 
     def _remember(self, identity: int, seen: Sighting, stamp_ns: int) -> Lane:
         """Return what is published of a line that is seen, and keep it in mind."""
@@ -105,6 +115,14 @@ class LaneTracker:
         line.seen_ns, line.times_seen = stamp_ns, line.times_seen + 1
         return lane
 
+    def _bridged(self, identity: int, stamp_ns: int) -> Lane:
+        """Return a line that is not seen where it must be by now, with less confidence."""
+        line = self._memory.lines[identity]
+        age = (stamp_ns - line.seen_ns) / 1e9
+        confidence = line.lane.confidence * (1 - DOUBT * age)
+        points = line.course.points(self._memory.axis)
+        return replace(line.lane, points=points, confidence=confidence, lateral_offset=line.offset)
+
 
 def _is_usable(lane: Lane) -> bool:
     numbers = np.append(lane.points, lane.lateral_offset)
@@ -119,14 +137,6 @@ def _stands(line: KnownLine, found: Iterable[KnownLine]) -> bool:
         if len(aside) and (np.min(np.abs(aside)) < near or np.ptp(np.sign(aside)) > 0):
             return False
     return True
-
-
-def _bridged(line: KnownLine, axis: RoadAxis, stamp_ns: int) -> Lane:
-    """Return a lost line where it must be by now, with less confidence."""
-    age = (stamp_ns - line.seen_ns) / 1e9
-    confidence = line.lane.confidence * (1 - DOUBT * age)
-    points = line.course.points(axis)
-    return replace(line.lane, points=points, confidence=confidence, lateral_offset=line.offset)
 
 
 def _with_roles(lanes: Sequence[Lane]) -> tuple[Lane, ...]:

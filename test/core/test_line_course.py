@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.line_course import Course, agreement, common_axis, first_axis, surface_change
+from lane_dp_ros.core.line_course import Course, common_axis, first_axis, surface_change
 from lane_dp_ros.core.road import RoadAxis
 
 AXES = {
@@ -63,33 +63,14 @@ def test_an_axis_bends_no_more_than_a_road():
     assert abs(found.curvature) <= 0.06
 
 
-def test_agreement_and_side():
+def test_side():
     a, b = Course(S, 0.1 * S + 1, S), Course(S[40:], 0.1 * S[40:] + 1.4, S[40:])
-    assert agreement(a, b, 0.5) == pytest.approx(0.1 * (1 / S[40] - 1 / S[-1]))
-    assert agreement(a, b, 0.4) == pytest.approx(0)
     assert a.aside(b) == pytest.approx(-0.4)
     assert b.aside(a) == pytest.approx(0.4)
 
 
-def test_what_lines_share_near_the_camera_counts_most():
-    """Of a line's two pieces, and of two lines that fan out, the ones in more rows of the picture."""
-    whole = Course(S, 0 * S, S)
-    near, far = Course(S[:20], 0 * S[:20] + 0.1, S[:20]), Course(S[20:], 0 * S[20:], S[20:])
-    assert agreement(whole, near, 0.5) > agreement(whole, far, 0.5)
-    fans = [Course(S, np.maximum(0, slope * (S - 10)), S) for slope in (0.0, 0.02, 0.2, 1.0)]
-    shares = [agreement(whole, fan, 0.5) for fan in fans]
-    assert np.all(np.diff(shares) < 0)
-    assert shares[-1] > 0.5 * shares[0]
-
-
-def test_lines_that_meet_far_off_only_do_not_agree():
-    line = Course(S, 0 * S, S)
-    assert agreement(line, Course(S, 0.06 * (S - 22), S), 0.5) == 0
-
-
-def test_lines_that_share_less_than_3_m_do_not_agree():
+def test_a_part_of_less_than_3_m_is_not_compared():
     near, far = Course(S[:40], S[:40], S[:40]), Course(S[30:], S[30:], S[30:])
-    assert agreement(near, far, 0.5) == 0
     assert len(near.aside(far)) > 0
     assert len(Course(S[:10], S[:10], S[:10]).aside(Course(S[50:], S[50:], S[50:]))) == 0
     assert near.within(far) is None

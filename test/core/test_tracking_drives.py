@@ -233,6 +233,67 @@ def test_what_runs_off_a_line_does_not_take_its_id(side):
     assert [lane.id for lane in lanes] == [*ids[:2], 3, ids[2]]
 
 
+TWO_YELLOW_OFFSETS = (-1.75, -1.45, 1.75)  # m
+TWO_YELLOW = Drive(offsets=TWO_YELLOW_OFFSETS)
+
+
+def begins_on_the_next(frame):
+    """Return the lanes of TWO_YELLOW, but the second begins on the first, and leaves it at 10 to 14 m."""
+    left, lane, right = TWO_YELLOW.lanes(frame)
+    share = np.clip((AHEAD - 10) / 4, 0, 1)[:, None]
+    points = share * lane.points + (1 - share) * left.points
+    return [left, replace(lane, points=points, lateral_offset=left.lateral_offset), right]
+
+
+@pytest.mark.parametrize("frames", [1, 5])
+def test_a_line_found_on_the_paint_of_another_stays_where_it_is(frames):
+    tracker, ids = after(TWO_YELLOW, 3)
+    for k in range(3, 3 + frames):
+        lanes = tracker.update(begins_on_the_next(k), k * FRAME)
+        assert [lane.id for lane in lanes] == ids
+        assert all(error(lane, TWO_YELLOW.line(i, k)) < 0.01 for i, lane in enumerate(lanes))
+    assert lanes[1].confidence < lanes[0].confidence
+    lanes = tracker.update(TWO_YELLOW.lanes(9), 9 * FRAME)
+    assert [lane.id for lane in lanes] == ids
+    assert error(lanes[1], TWO_YELLOW.line(1, 9)) < 0.01
+
+
+@pytest.mark.parametrize(("bridge_time", "frames"), [(0.5, 5), (0.2, 2), (0.0, 0)])
+def test_what_is_found_long_enough_is_believed(bridge_time, frames):
+    """Where the paint of the second line now joins the first, it is published there at last."""
+    tracker, _ = after(TWO_YELLOW, 3, TrackingConfig(bridge_time=bridge_time))
+    stays = []
+    for k in range(3, 12):
+        found = begins_on_the_next(k)
+        lane = tracker.update(found, k * FRAME)[1]
+        stays.append(error(lane, TWO_YELLOW.line(1, k)) < 0.5 * error(found[1], TWO_YELLOW.line(1, k)))
+    assert stays == [True] * frames + [False] * (9 - frames)
+
+
+def test_lines_side_by_side_turn_with_the_camera():
+    """By 1 degree at once: at 10 m each is now nearer to where its neighbour was."""
+    drive = Drive(offsets=TWO_YELLOW_OFFSETS, yaw=lambda k: np.radians(1.0) * (k >= 5))
+    tracker, ids = after(drive, 5)
+    for k in range(5, 8):
+        lanes = tracker.update(drive.lanes(k), k * FRAME)
+        assert [lane.id for lane in lanes] == ids
+        assert all(error(lane, drive.line(i, k)) < 0.02 for i, lane in enumerate(lanes))
+
+
+def test_a_line_that_leaps_does_not_drift_on():
+    """Lost, it stays where it leapt to: 0.3 m aside in one frame is no speed of 3 m/s."""
+    drive, tracker = DRIVES["straight"], LaneTracker()
+    aside = np.column_stack([np.full_like(AHEAD, 0.3), 0 * AHEAD, 0 * AHEAD])
+    for k in range(20):
+        *others, lane = drive.lanes(k)
+        if k >= 18:
+            lane = replace(lane, points=lane.points + aside, lateral_offset=lane.lateral_offset + 0.3)
+        tracker.update([*others, lane], k * FRAME)
+    for k in range(20, 25):
+        lanes = tracker.update(drive.lanes(k)[:2], k * FRAME)
+        assert error(lanes[2], drive.line(2, k) + 0.3) < 0.05
+
+
 def crossing(slope):
     """Return a lane that runs off to the right, in between the known ones."""
     points = np.column_stack([0.2 + slope * (AHEAD - 6), np.full_like(AHEAD, HEIGHT), AHEAD])
