@@ -16,6 +16,8 @@ from lane_dp_ros.core.road import RoadAxis
 Floats = NDArray[np.float64]
 
 SHARED = 3.0  # m that two lines must share to be compared there
+NEAREST = 1.0  # m; no camera sees the road nearer
+ROWS = 16  # of the picture, in which lines are compared
 SAMPLES = 8  # of a line: enough for its shape
 SURFACE_SIGMA = np.array([0.05, 0.01, 0.01])  # m, 1, 1: so height, pitch and roll change from frame to frame
 DOWN_SIGMA = 0.02  # m, of a point
@@ -108,8 +110,9 @@ class Course:
         return replace(self, down=self.down + surface[0] + surface[1] * self.s + surface[2] * self.y)
 
     def place(self, axis: RoadAxis) -> float:
-        """Return n [m], on the whole."""
-        return float(np.mean(self.sampled.offsets(axis)))
+        """Return n [m], on the whole: on the average over the picture's rows."""
+        s = picture_rows(self.s[0], self.s[-1])
+        return float(np.mean(np.interp(s, self.s, self.offsets(axis))))
 
     def aside(self, other: Course, shared: float = 0.0) -> Floats:
         """Return samples [m] of how far right of another it runs; none where they share less than that."""
@@ -125,6 +128,11 @@ class Course:
 
 def _bend(s: Floats, axis: RoadAxis) -> Floats:
     return np.asarray(s * (axis.heading + s * (axis.curvature / 2)))
+
+
+def picture_rows(first: float, last: float) -> Floats:
+    """Return s [m] from first to last [m] in equal steps of the picture's rows, of 1/s."""
+    return np.asarray(1 / np.linspace(1 / max(first, NEAREST), 1 / max(last, NEAREST), ROWS))
 
 
 def first_axis(lines: Sequence[Floats]) -> RoadAxis:

@@ -9,12 +9,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.line_course import SHARED, Course
+from lane_dp_ros.core.line_course import NEAREST, SHARED, Course, picture_rows
 
 Floats = NDArray[np.float64]
 
-NEAREST = 1.0  # m; no camera sees the road nearer
-ROWS = 16  # of the picture, in which two lines are compared
 STRAYED = 2  # rows; in one alone, a line may be off by chance
 
 
@@ -77,12 +75,9 @@ def strayed(seen: Course, expected: Course, others: Iterable[Course]) -> bool:
 
 
 def shared_rows(a: Course, b: Course) -> Floats:
-    """Return s [m] of what two lines share, from near to far in equal steps of the picture's rows, of 1/s.
-
-    None where they share less than `SHARED`.
-    """
-    first, last = max(a.s[0], b.s[0], NEAREST), min(a.s[-1], b.s[-1])
-    return 1 / np.linspace(1 / first, 1 / last, ROWS) if last - first >= SHARED else np.empty(0)
+    """Return s [m] of what two lines share, see `picture_rows`; none where they share less than `SHARED`."""
+    first, last = max(a.s[0], b.s[0]), min(a.s[-1], b.s[-1])
+    return picture_rows(first, last) if last - max(first, NEAREST) >= SHARED else np.empty(0)
 
 
 def _beside(s: Floats, y: Floats, others: Iterable[Course]) -> Floats:

@@ -42,6 +42,13 @@ def test_a_concentric_line_has_the_axis_direction(axis, n):
     assert course.strays(axis) == pytest.approx(0, abs=1e-9)
 
 
+def test_the_place_is_that_in_most_rows_of_the_picture():
+    """Half of the rows from 5 to 24.75 m are those up to 8.3 m."""
+    half = 2 / (1 / S[0] + 1 / S[-1])
+    course = Course(S, np.where(half > S, 1.0, 3.0), S)
+    assert course.place(RoadAxis()) == pytest.approx(2.0, abs=0.1)
+
+
 def test_the_axis_is_found_from_concentric_lines(axis):
     found = first_axis([line(axis, n) for n in (-5.25, -1.75, 1.75)])
     assert found.heading == pytest.approx(axis.heading, abs=0.01)

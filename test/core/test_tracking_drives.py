@@ -270,6 +270,19 @@ def test_what_is_found_long_enough_is_believed(bridge_time, frames):
     assert stays == [True] * frames + [False] * (9 - frames)
 
 
+def test_lines_found_crossing_keep_their_ids():
+    """For one frame the second and the third change places at 10 to 14 m; a part of the third is hidden."""
+    drive = Drive(offsets=(-1.75, 1.45, 1.95))
+    tracker, ids = after(drive, 3)
+    first, left, right = drive.lanes(3)
+    share = np.clip((AHEAD - 10) / 4, 0, 1)[:, None]
+    crossing_right = replace(left, points=(1 - share) * left.points + share * right.points)
+    crossing_left = replace(right, points=((1 - share) * right.points + share * left.points)[8:])
+    lanes = tracker.update([first, crossing_right, crossing_left], 3 * FRAME)
+    assert [lane.id for lane in lanes] == ids
+    assert [lane.id for lane in tracker.update(drive.lanes(4), 4 * FRAME)] == ids
+
+
 def test_lines_side_by_side_turn_with_the_camera():
     """By 1 degree at once: at 10 m each is now nearer to where its neighbour was."""
     drive = Drive(offsets=TWO_YELLOW_OFFSETS, yaw=lambda k: np.radians(1.0) * (k >= 5))
