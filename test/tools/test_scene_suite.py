@@ -117,6 +117,12 @@ def test_the_ground_of_a_cross_slope_is_exact():
     np.testing.assert_allclose(truth.ground, scale * np.array(expected), atol=0.01)
 
 
+def test_a_drive_may_begin_before_the_road_does():
+    """As the first frames of the suite do at some seeds."""
+    truth = render_frame(Scene(Road(swing=0), motion=Motion(start=-1.695)), 0, 1).truth
+    assert len(truth.labels) == 3
+
+
 def test_labels_of_a_flat_road_are_where_its_lines_are():
     truth = render_frame(Scene(Road(swing=0, pitch=0.0)), 0, 1).truth
     assert (truth.ego_left, truth.ego_right) == ("line1", "line2")

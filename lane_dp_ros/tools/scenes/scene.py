@@ -103,7 +103,8 @@ def render_frame(
     time = index / scene.motion.rate
     course = Course(scene.road, scene.motion.position(time))
     pose = scene.motion.pose(time, scene.road.pitch)
-    noise = np.random.default_rng([seed, index, round(course.position * 1000)])
+    millimetres = round(course.position * 1000) % 2**32  # a position may be negative, a seed may not
+    noise = np.random.default_rng([seed, index, millimetres])
     views = [View(CAMERA, SIZE, course, pose, eye, seed, time) for eye in (0.0, CAMERA.baseline)]
     lights, surfaces = zip(*(render(view, scene.light, scene.objects) for view in views), strict=True)
     left, right = (
