@@ -28,7 +28,7 @@ PITCH_RANGE = 0.15  # rad about the nominal pitch: vehicle and hill together
 ROLL_MAX = 0.15  # rad; a road banked by 15 %
 MAX_TRIALS = 80  # RANSAC samples
 NEIGHBOURS = 2  # disparities [px] by which the v-disparity path may move from row to row
-NARROWING = np.array([3.0, 2.0, 1.5, 1.0, 1.0, 1.0])  # times residual_threshold
+NARROWING = np.array([3.0] + 9 * [2.0])  # times residual_threshold; by then the fit stands still
 RIDGE = np.diag([1e-9, 1e-9, 2e-4, 1e-9])  # per sample; holds a profile that the data leave open straight
 
 
