@@ -169,19 +169,21 @@ class LaneSelectionConfig(Parameters):
     """What makes a line a lane."""
 
     evidence: bool = parameter(True, "Judge lines by their evidence; else every line of the model is a lane.")
-    paint_width_min: float = parameter(0.10, "Narrower bands are rails, seams.", unit="m", limits=(0.0, 0.3))
+    paint_width_min: float = parameter(0.09, "Narrower bands are rails, seams.", unit="m", limits=(0.0, 0.3))
     paint_width_max: float = parameter(0.34, "Broader bands are no lane lines.", unit="m", limits=(0.1, 1.0))
     height_max: float = parameter(
-        0.05, "Highest height above the road; more is a kerb.", unit="m", limits=(0.0, 1.0)
+        0.04, "Highest height above the road; more is a kerb.", unit="m", limits=(0.0, 1.0)
     )
     slope_max: float = parameter(
-        0.12, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
+        0.11, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
     )
     roughness_max: float = parameter(
         0.15, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
     )
     contrast_min: float = parameter(
-        0.03, "Weber contrast of the paint against the road on both sides.", limits=(-1.0, 1.0)
+        0.03,
+        "Weber contrast of the paint against the road on both sides; in glare less will do.",
+        limits=(-1.0, 1.0),
     )
     start_max: float = parameter(22.0, "Farthest beginning of a line.", unit="m", limits=(5.0, 100.0))
     score_min: float = parameter(

@@ -12,11 +12,12 @@ from lane_dp_ros.core.config import LaneSelectionConfig
 from lane_dp_ros.core.data import LaneEvidence, LaneLine
 
 BREADTH_MAX = 1.04  # contrast of a 0.45 m band over that of a 0.15 m one; more is a verge or a light patch
+HEADROOM_MIN = 0.1  # share of what is left up to white; in glare paint can be no brighter than that
 SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
 
 # What a kerb, a gutter or a verge has and paint lacks: little contrast, and one of the others.
-KERB_CONTRAST, KERB_HEADROOM = 0.35, 0.35  # paint has more of one of them
-KERB_STEP = 0.08  # m that the ground beside it is higher
+KERB_CONTRAST, KERB_HEADROOM = 0.40, 0.35  # paint has more of one of them
+KERB_STEP = 0.10  # m that the ground beside it is higher
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
 KERB_WIDTH = 0.3  # m
 KERB_HEIGHT = 0.03  # m
@@ -35,7 +36,7 @@ def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig
     return (
         config.paint_width_min <= evidence.paint_width <= config.paint_width_max
         and evidence.breadth <= BREADTH_MAX
-        and evidence.contrast >= config.contrast_min
+        and (evidence.contrast >= config.contrast_min or evidence.headroom >= HEADROOM_MIN)
         and not evidence.height > config.height_max  # nor is NaN, an unknown height
         and not _is_kerb(evidence)
         and evidence.slope <= config.slope_max + SLOPE_PER_BEND * abs(bend)

@@ -26,8 +26,10 @@ GOOD = LaneEvidence(
     run=10.0,
     dashes=1,
 )
-LITTLE = lane_selection.KERB_CONTRAST - 0.01
-PALE = replace(GOOD, contrast=LITTLE, headroom=LITTLE)
+PALE = replace(
+    GOOD, contrast=lane_selection.KERB_CONTRAST - 0.01, headroom=lane_selection.KERB_HEADROOM - 0.01
+)
+FAINT = {"headroom": lane_selection.HEADROOM_MIN - 0.01}
 DASHED = {"run": lane_selection.UNBROKEN - 0.1, "dashes": 3}
 UNBROKEN = {"run": lane_selection.UNBROKEN, "dashes": 1}
 ABOVE_KERB = {
@@ -67,7 +69,6 @@ def test_good_evidence_makes_a_lane():
         ("paint_width", CONFIG.paint_width_min, CONFIG.paint_width_min - 0.01),
         ("paint_width", CONFIG.paint_width_max, CONFIG.paint_width_max + 0.01),
         ("breadth", lane_selection.BREADTH_MAX, lane_selection.BREADTH_MAX + 0.01),
-        ("contrast", CONFIG.contrast_min, CONFIG.contrast_min - 0.01),
         ("height", CONFIG.height_max, CONFIG.height_max + 0.01),
         ("slope", CONFIG.slope_max, CONFIG.slope_max + 0.01),
         ("roughness", CONFIG.roughness_max, CONFIG.roughness_max + 0.01),
@@ -78,11 +79,22 @@ def test_each_piece_of_evidence_can_speak_against_a_line(field, good, bad):
     assert not painted(replace(GOOD, **{field: bad}))
 
 
+def test_what_is_brighter_neither_by_contrast_nor_by_headroom_is_no_paint():
+    low = CONFIG.contrast_min - 0.01
+    assert painted(replace(GOOD, **FAINT, contrast=CONFIG.contrast_min))
+    assert not painted(replace(GOOD, **FAINT, contrast=low))
+
+
+def test_in_glare_paint_need_only_use_what_is_left_up_to_white():
+    low = CONFIG.contrast_min - 0.01
+    assert painted(replace(GOOD, contrast=low, headroom=lane_selection.HEADROOM_MIN))
+
+
 @pytest.mark.parametrize("name", ["paint_width_min", "paint_width_max", "contrast_min", "height_max"])
 def test_the_limits_are_those_of_the_configuration(name):
     field = name[:-4]
     turned = getattr(CONFIG, name) * (2 if name.endswith("_min") else 0.5)
-    evidence = replace(GOOD, **{field: getattr(CONFIG, name)})
+    evidence = replace(GOOD, **FAINT, **{field: getattr(CONFIG, name)})
     assert painted(evidence)
     assert not painted(evidence, config=replace(CONFIG, **{name: turned}))
 
