@@ -4,11 +4,12 @@
 
 python benchmarks/leave_a_drive_out.py DATA [--suite DIR] [--jobs N]
 DATA: the labelled KITTI frames. For each drive, the thresholds of thresholds.py - parameters and constants -
-are chosen on all other drives, and the drive is judged with them. --suite: choose on one frame of each
-category of these scenes, too.
+are chosen on all other drives, and the drive is judged with them. Chosen are they on these drives as they
+are, in a mirror and at other exposures (varied_pairs.py); judged is the drive as it is. --suite: choose on
+one frame of each category of these scenes, too.
 
 A threshold's grid is what is physically plausible. The search begins in the middle of every grid, not at the
-defaults, and goes through the thresholds in turn; of values that are equally good it takes the middle one.
+defaults, and goes through the thresholds in turn; each step away from the middle has to pay.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from pathlib import Path
 from command_line import KNOWN_ERRORS, exit_code, parser_of
 from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs, patched
 from thresholds import THRESHOLDS, changed, shipped
+from varied_pairs import varied
 
 from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.evaluation import Summary
@@ -33,7 +35,8 @@ from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.summary import summarise
 
 ROUNDS = 2  # through all of them, at most
-AS_GOOD = 0.001  # of the objective
+STEP_COST = 0.0005  # of the objective; the drives are few, what gains less is chance
+VARIED = ", varied"  # name of a drive's pairs in a mirror or at other exposures; never judged
 STEREO_DRIVES = (  # first and last number of the frames; no mapping to raw drives comes with them
     ("7-13 (junctions)", 7, 13),
     ("22-31 (dual carriageway)", 22, 31),
@@ -94,11 +97,16 @@ class Search:
         return values
 
     def _best_along(self, i: int, values: Values, drives: Sequence[str]) -> Values:
-        """Return the thresholds with the best of the values of number i, of equally good ones the middle."""
-        tried = [(*values[:i], value, *values[i + 1 :]) for value in list(THRESHOLDS.values())[i]]
-        quality = [objective([self.scored(each)[drive] for drive in drives]) for each in tried]
-        good = [each for each, q in zip(tried, quality, strict=True) if q >= max(quality) - AS_GOOD]
-        return good[len(good) // 2]
+        """Return the thresholds with the best of the values of number i."""
+        grid = list(THRESHOLDS.values())[i]
+
+        def quality(at: int) -> float:
+            """Return the objective with the value at that place of the grid, less the cost of going there."""
+            scores = self.scored((*values[:i], grid[at], *values[i + 1 :]))
+            return objective([scores[drive] for drive in drives]) - STEP_COST * abs(at - len(grid) // 2)
+
+        best = max(range(len(grid)), key=quality)
+        return (*values[:i], grid[best], *values[i + 1 :])
 
 
 def middle() -> Values:
@@ -135,19 +143,27 @@ def run(arguments: argparse.Namespace) -> None:
     check()
     pairs = kitti_pairs(arguments.data)
     drives = {pair.name: drive_of(pair) for pair in pairs}
+    names = list(dict.fromkeys(drives.values()))
+    variants = varied(pairs)
+    pairs += variants
+    drives |= {pair.name: drive_of(pair) + VARIED for pair in variants}
     if arguments.suite:
         scenes = labelled_pairs(arguments.suite, arguments.suite / "truth.json")
         scenes = [pair for pair in scenes if pair.name.endswith("/02")]
         pairs += scenes
         drives |= {pair.name: SUITE for pair in scenes}
-    names = [name for name in dict.fromkeys(drives.values()) if name != SUITE]
     with Judges(pairs, arguments.jobs, alone=True) as judges:
         search = Search(judges, drives)
-        chosen = {name: search.best(n for n in dict.fromkeys(drives.values()) if n != name) for name in names}
+        chosen = {name: search.best(all_but(name, drives.values())) for name in names}
         left_out = {name: search.scored(values)[name] for name, values in chosen.items()}
         defaults = search.scored(tuple(shipped(name) for name in THRESHOLDS))
     print(f"{len(search.scores)} sets of thresholds were judged\n")
     report(left_out, {name: defaults[name] for name in names}, chosen)
+
+
+def all_but(drive: str, drives: Iterable[str]) -> list[str]:
+    """Return the drives without that one and its varied pairs."""
+    return [name for name in dict.fromkeys(drives) if name not in (drive, drive + VARIED)]
 
 
 def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> None:

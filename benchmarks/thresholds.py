@@ -26,10 +26,11 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.LONE_PIECE": (1.5, 3.0, 6.0),  # m
     "lane_selection.start_max": (14.0, 20.0, 26.0),  # m
     "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
+    "lane_selection.HEADROOM_MIN": (0.05, 0.15, 0.25),
     "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
     "lane_selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
     "lane_selection.KERB_HEADROOM": (0.2, 0.3, 0.4),
-    "lane_selection.KERB_STEP": (0.05, 0.08, 0.12),  # m
+    "lane_selection.KERB_STEP": (0.06, 0.10, 0.14),  # m
     "lane_selection.KERB_WIDTH": (0.25, 0.30, 0.35),  # m
     "lane_selection.KERB_HEIGHT": (0.02, 0.04, 0.06),  # m
     "lane_selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),

@@ -24,6 +24,7 @@ import calibrate_confidence
 import judged_set
 import leave_a_drive_out
 import thresholds
+import varied_pairs
 import what_hinders
 
 GOOD = Summary(frames=10, ego_labels=20, missed=1, labels=40, matched=38, detections=39, false_lanes=1)
@@ -168,16 +169,52 @@ def test_the_objective_falls_with_every_kind_of_error():
     assert leave_a_drive_out.objective([GOOD, bare]) < 0.91 * best
 
 
-def test_the_search_takes_the_middle_of_what_is_best_on_the_other_drives():
+def test_the_search_takes_what_is_best_on_the_other_drives_and_nearest_to_the_middle():
     search = leave_a_drive_out.Search(None, {"a": "one", "b": "two"})
     start = leave_a_drive_out.middle()
     grid = thresholds.THRESHOLDS[next(iter(thresholds.THRESHOLDS))]
-    missed = {"one": (5, 5, 5, 5, 0), "two": (3, 0, 0, 0, 3)}
+    missed = {"one": (5, 5, 5, 5, 0), "two": (0, 0, 3, 0, 0), "three": (0, 0, 0, 0, 0)}
     for i, value in enumerate(grid):
         scores = {drive: replace(GOOD, missed=counts[i]) for drive, counts in missed.items()}
         search.scores[(value, *start[1:])] = scores
-    assert search._best_along(0, start, ["two"])[0] == grid[2]
     assert search._best_along(0, start, ["one"])[0] == grid[4]
+    assert search._best_along(0, start, ["two"])[0] == grid[1]
+    assert search._best_along(0, start, ["three"])[0] == grid[2]
+
+
+def test_nothing_is_chosen_on_the_drive_that_is_judged():
+    drives = ["one", "two", "one, varied", "two, varied", "suite", "one"]
+    assert leave_a_drive_out.all_but("one", drives) == ["two", "two, varied", "suite"]
+
+
+def test_a_mirror_and_an_exposure_change_no_verdict(pairs):
+    """Labels lie on the paint of the other camera's picture, sides and all: the lines are found there."""
+    for each in varied_pairs.varied(pairs):
+        verdict = each.judged(each.detected(DetectorConfig()).lanes)
+        assert verdict.name == each.name != pairs[0].name
+        assert len(verdict.found) == len(verdict.labels) == 3 and not verdict.false_lanes
+        assert not verdict.missed and not verdict.incorrect
+        assert max(match.error for match in verdict.found) < 0.05
+    assert len({each.name for each in varied_pairs.varied(pairs)}) == 6
+
+
+def test_a_mirrored_mirror_is_the_pair(pairs):
+    twice = varied_pairs.mirrored(varied_pairs.mirrored(pairs[0]))
+    np.testing.assert_array_equal(twice.left, pairs[0].left)
+    assert twice.camera.cx == pairs[0].camera.cx
+    np.testing.assert_allclose(twice.frame.ground, pairs[0].frame.ground)
+    assert (twice.frame.ego_left, twice.frame.ego_right) == (
+        pairs[0].frame.ego_left,
+        pairs[0].frame.ego_right,
+    )
+    for label, same in zip(twice.frame.labels, pairs[0].frame.labels, strict=True):
+        np.testing.assert_allclose(label.uv, same.uv)
+        np.testing.assert_allclose(label.xz, same.xz)
+
+
+def test_another_exposure_leaves_black_and_white(pairs):
+    dark = varied_pairs.exposed(pairs[0], 2.0)
+    np.testing.assert_array_equal(dark.left, np.rint(255 * (pairs[0].left / 255) ** 2))
 
 
 @pytest.mark.parametrize(
@@ -227,7 +264,7 @@ def test_each_threshold_is_tried_at_both_limits_that_go_with_the_others():
     tried = dict(what_hinders.extremes())
     assert len(tried) > 20
     assert tried["path_search.min_score 1"][0].path_search.min_score == 1.0
-    assert tried["lane_selection.KERB_STEP 0.05"][1] == {"lane_dp_ros.core.lane_selection.KERB_STEP": 0.05}
+    assert tried["lane_selection.KERB_STEP 0.06"][1] == {"lane_dp_ros.core.lane_selection.KERB_STEP": 0.06}
 
 
 def test_a_label_that_is_not_found_is_named(pairs):

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Labelled pairs as they could have been taken as well: in a mirror, or with another exposure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from judged_set import Image, JudgedPair
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.tools.labels import Label, LabelledFrame
+
+GAMMAS = (0.7, 1.4)  # brighter and darker: what cameras differ by
+
+Floats = NDArray[np.float64]
+
+
+def varied(pairs: Iterable[JudgedPair]) -> list[JudgedPair]:
+    """Return each pair in a mirror and at other exposures; the names tell."""
+    return [each for pair in pairs for each in (mirrored(pair), *(exposed(pair, gamma) for gamma in GAMMAS))]
+
+
+def exposed(pair: JudgedPair, gamma: float) -> JudgedPair:
+    """Return a pair with the grey values 255 (g / 255)^gamma."""
+    curve = np.rint(255 * (np.arange(256) / 255) ** gamma).astype(np.uint8)
+    left, right = (np.asarray(cv2.LUT(image, curve), np.uint8) for image in (pair.left, pair.right))
+    return _renamed(replace(pair, left=left, right=right), f"gamma {gamma:g}")
+
+
+def mirrored(pair: JudgedPair) -> JudgedPair:
+    """Return a pair as a mirror shows it: the right camera is the left one, in the picture and in the labels.
+
+    It is another view of the same road, from another place and with another sensor; glare lies elsewhere.
+    """
+    camera = _mirrored_camera(pair.camera, pair.right.shape[1])
+    frame = None if pair.frame is None else _mirrored_frame(pair.frame)
+    pair = replace(pair, left=_flipped(pair.right), right=_flipped(pair.left), camera=camera, frame=frame)
+    return _renamed(pair, "mirrored")
+
+
+def _flipped(image: Image) -> Image:
+    return np.ascontiguousarray(image[:, ::-1])
+
+
+def _mirrored_camera(camera: StereoCamera, width: int) -> StereoCamera:
+    right_cx = camera.cx - camera.disparity_offset
+    return replace(camera, cx=width - 1 - right_cx, left_translation=(0.0, 0.0, 0.0))
+
+
+def _mirrored_frame(frame: LabelledFrame) -> LabelledFrame:
+    g0, g1, g2, g3 = frame.ground / (1 - frame.ground[3] / 100)  # columns are the right picture's now
+    camera = _mirrored_camera(frame.camera, frame.size[0])
+    return replace(
+        frame,
+        camera=camera,
+        ground=np.array([g0, g1, g2, -g3]),
+        labels=tuple(_mirrored_label(label, frame, camera) for label in frame.labels),
+        ego_left=frame.ego_right,
+        ego_right=frame.ego_left,
+    )
+
+
+def _mirrored_label(label: Label, frame: LabelledFrame, camera: StereoCamera) -> Label:
+    """Return a label as the mirrored `camera` sees it, by the ground that it lies on."""
+    g0, g1, g2, g3 = frame.ground
+    m, n = (label.uv.T - [[frame.camera.cx], [frame.camera.cy]]) / 100
+    disparity = g0 + g1 * n + g2 * n**2 + g3 * m
+    uv = np.column_stack([camera.cx - (100 * m - disparity), label.uv[:, 1]])
+    xz = np.column_stack([frame.camera.baseline - label.xz[:, 0], label.xz[:, 1]])
+    return replace(label, uv=uv, xz=xz)
+
+
+def _renamed(pair: JudgedPair, how: str) -> JudgedPair:
+    name = f"{pair.name} ({how})"
+    frame = None if pair.frame is None else replace(pair.frame, name=name)
+    return replace(pair, name=name, frame=frame)
