@@ -48,10 +48,10 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.DASHES": (2, 3, 4),
     "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
     "lane_selection.lane_width_max": (3.75, 4.25, 4.75),  # m
-    "path_search.min_score": (1.0, 2.0, 3.0),  # m
-    "path_search.blank_cost": (0.10, 0.20, 0.30),
-    "lane_graph.contrast_min": (0.3, 0.6, 0.9),
-    "lane_graph.contrast_max": (2.0, 3.0, 4.0),
+    "path_search.min_score": (1.0, 1.5, 2.0, 2.5, 3.0),  # m
+    "path_search.blank_cost": (0.10, 0.15, 0.20, 0.25, 0.30),
+    "lane_graph.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),
+    "lane_graph.contrast_max": (2.0, 2.5, 3.0, 3.5, 4.0),
 }
 
 
