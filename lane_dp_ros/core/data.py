@@ -187,7 +187,10 @@ class LaneEvidence:
     breadth: float
     """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
     height: float
-    """Median height [m] of the paint above the road's surface, NaN where it is not known."""
+    """Median height [m] of the paint above the road, NaN where it is not known.
+
+    Where the ground on both sides lies higher than the road's surface, the road does; up to 2 cm count so.
+    """
     step: float
     """How much higher [m] the ground beside the line is: a kerb has one; 0 where it is not known."""
     slope: float

@@ -27,6 +27,7 @@ FLANK = (4, 10)  # samples from the centre; the road beside the paint, behind it
 WHITE = 255.0  # grey level
 SATURATED = 250.0  # grey levels; how bright such ground is nobody knows
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
+SAG = 0.02  # m by which the road itself may lie higher than its surface, a quadratic, says
 STEP = (0.35, 0.6)  # m aside; where a kerb stands beside a gutter
 DASH = 1.5  # m of paint, at least
 HEIGHT_SPREAD = 0.15  # m between the quartiles; heights that scatter more are not known
@@ -46,11 +47,12 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneE
     contrast, headroom = _contrast(sections)
     near = line.s < HEIGHT_DEPTH
     height = _height(view, line.rows[near], around[near])
+    grounds = _grounds(view, line.rows[near], centre[near])
     return LaneEvidence(
         paint_width=width,
         breadth=breadth,
-        height=height,
-        step=_step(view, line.rows[near], centre[near], height),
+        height=height - _bulge(grounds),
+        step=_step(grounds, height),
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
         roughness=_roughness(line.rows, centre, view, graph),
         contrast=contrast,
@@ -153,14 +155,21 @@ def _height(view: BirdsEyeView, rows: NDArray[np.intp], around: NDArray[np.intp]
     return float(middle) if high - low <= HEIGHT_SPREAD else np.nan
 
 
-def _step(view: BirdsEyeView, rows: NDArray[np.intp], centre: NDArray[np.intp], height: float) -> float:
-    """Return how much higher [m] the ground beside the line of that `height` is, on its higher side."""
+def _grounds(view: BirdsEyeView, rows: NDArray[np.intp], centre: NDArray[np.intp]) -> tuple[float, float]:
+    """Return the heights [m] of the ground left and right of the line, NaN where they are not known."""
     first, last = (round(d / view.resolution[1]) for d in STEP)
     aside = np.arange(first, last + 1)
-    grounds = (
-        _height(view, rows, np.clip(centre[:, None] + columns, 0, len(view.n) - 1))
-        for columns in (-aside, aside)
-    )
+    left, right = (np.clip(centre[:, None] + columns, 0, len(view.n) - 1) for columns in (-aside, aside))
+    return _height(view, rows, left), _height(view, rows, right)
+
+
+def _bulge(grounds: tuple[float, float]) -> float:
+    """Return how much higher [m] than its surface the road is, by the lower ground beside the line."""
+    return float(np.clip(min(grounds), 0.0, SAG)) if np.isfinite(grounds).all() else 0.0
+
+
+def _step(grounds: tuple[float, float], height: float) -> float:
+    """Return how much higher [m] than the line, of that `height`, the ground on its higher side is."""
     return max((ground - height for ground in grounds if np.isfinite(ground - height)), default=0.0)
 
 

@@ -19,6 +19,24 @@ def test_height_is_that_of_the_paint_above_the_road(painted_road, evidence_of, h
     assert evidence_of(road).height == pytest.approx(height)
 
 
+@pytest.mark.parametrize(("ground", "height"), [(0.015, 0.03), (0.02, 0.025), (0.2, 0.025), (-0.2, 0.045)])
+def test_where_the_road_bulges_paint_is_no_higher(painted_road, evidence_of, ground, height):
+    """By a little more than a quadratic follows; not by a pavement or a ditch on both sides."""
+    road = painted_road().line(CENTRE)
+    road.height[:] = ground
+    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.045
+    assert evidence_of(road).height == pytest.approx(height)
+
+
+@pytest.mark.parametrize("other", [0.0, np.nan])
+def test_a_road_that_is_higher_on_one_side_alone_is_no_bulge(painted_road, evidence_of, other):
+    road = painted_road().line(CENTRE)
+    road.height[:, road.n > CENTRE] = other
+    road.height[:, road.n < CENTRE] = 0.02
+    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.045
+    assert evidence_of(road).height == pytest.approx(0.045)
+
+
 def test_a_railing_stands_above_the_road(painted_road, evidence_of):
     road = painted_road().line(CENTRE)
     road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.11  # not enough to be masked
@@ -51,7 +69,7 @@ def test_heights_that_scatter_are_not_known(painted_road, evidence_of, factor, k
 
 def test_a_few_wrong_heights_change_nothing(painted_road, evidence_of):
     road = painted_road().line(CENTRE)
-    road.height[:] = 0.02
+    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.02
     road.height[::5] = -3.0
     assert evidence_of(road).height == pytest.approx(0.02)
 
