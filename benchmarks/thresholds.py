@@ -31,6 +31,7 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
     "lane_selection.KERB_HEADROOM": (0.2, 0.3, 0.4),
     "lane_selection.KERB_STEP": (0.06, 0.10, 0.14),  # m
+    "lane_selection.RAIL_WIDTH": (0.09, 0.11, 0.13),  # m
     "lane_selection.KERB_WIDTH": (0.25, 0.30, 0.35),  # m
     "lane_selection.KERB_HEIGHT": (0.02, 0.04, 0.06),  # m
     "lane_selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),

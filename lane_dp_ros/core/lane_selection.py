@@ -15,11 +15,11 @@ BREADTH_MAX = 1.04  # contrast of a 0.45 m band over that of a 0.15 m one; more 
 HEADROOM_MIN = 0.1  # share of what is left up to white; in glare paint can be no brighter than that
 SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
 
-# What a kerb, a gutter or a verge has and paint lacks: little contrast, and one of the others.
+# What a kerb, a gutter, a rail or a verge has and paint lacks: little contrast, and one of the others.
 KERB_CONTRAST, KERB_HEADROOM = 0.40, 0.35  # paint has more of one of them
 KERB_STEP = 0.10  # m that the ground beside it is higher
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
-KERB_WIDTH = 0.3  # m
+RAIL_WIDTH, KERB_WIDTH = 0.11, 0.3  # m; paint is neither narrower nor broader
 KERB_HEIGHT = 0.03  # m
 KERB_BRIGHTNESS = -0.1  # over that of the lane beside it, less 1
 
@@ -46,14 +46,14 @@ def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig
 
 
 def _is_kerb(evidence: LaneEvidence) -> bool:
-    """Return whether a pale stripe has a sign of a kerb, a gutter or a verge."""
+    """Return whether a pale stripe has a sign of a kerb, a gutter, a rail or a verge."""
     unbroken = evidence.run >= UNBROKEN
     return (
         evidence.contrast < KERB_CONTRAST
         and evidence.headroom < KERB_HEADROOM
         and (
             evidence.step > KERB_STEP
-            or (unbroken and evidence.paint_width > KERB_WIDTH)
+            or (unbroken and not RAIL_WIDTH <= evidence.paint_width <= KERB_WIDTH)
             or (unbroken and evidence.height > KERB_HEIGHT)
             or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
         )

@@ -111,6 +111,14 @@ def test_paint_below_the_road_is_paint():
     assert painted(replace(GOOD, height=-0.2))
 
 
+def test_a_pale_narrow_stripe_is_a_rail_unless_it_is_dashed():
+    narrow = {"paint_width": lane_selection.RAIL_WIDTH - 0.01}
+    assert painted(replace(PALE, **UNBROKEN, paint_width=lane_selection.RAIL_WIDTH))
+    assert not painted(replace(PALE, **UNBROKEN, **narrow))
+    assert painted(replace(PALE, **DASHED, **narrow))
+    assert painted(replace(GOOD, **UNBROKEN, **narrow))
+
+
 @pytest.mark.parametrize("sign", ABOVE_KERB, ids=str)
 def test_a_pale_stripe_with_one_sign_of_a_kerb_is_a_kerb(sign):
     assert painted(replace(PALE, **UNBROKEN))
