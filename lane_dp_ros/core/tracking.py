@@ -21,6 +21,7 @@ ASTRAY = 0.15  # rad; no line runs off the road's direction by more
 NEW_BESIDE = 1.0  # m; a line that appears nearer to a lost one takes its place
 TOUCHING = 0.2  # m; nearer, lines that were seen side by side have merged
 FARTHEST = 1000.0  # m
+BORDER = 0.25  # m at the border of the view, in which a line and the road on both sides of it find no room
 DOUBT = 1.0  # 1/s; by so much of it a lost line's confidence falls
 
 
@@ -31,10 +32,13 @@ class LaneTracker:
     that was seen often and is lost is published where it must be by now, for `bridge_time`, if nothing
     contradicts, and so is one that was found on the paint of another; a line that comes back within a second
     keeps its id. Unless `enabled`, lines get ids only.
+
+    `half_width` [m] is that of the view in which lines are found: one that leaves it sideways is not lost.
     """
 
     def __init__(self, config: TrackingConfig | None = None) -> None:
         self.config = config or TrackingConfig()
+        self.half_width = np.inf
         self._memory = LineMemory()
         self._stamp_ns: int | None = None
         self._next_id = 0
@@ -87,12 +91,19 @@ class LaneTracker:
         return found
 
     def _lost(self, seen: Collection[int], stamp_ns: int) -> dict[int, KnownLine]:
-        """Return the lines to bridge: established, not seen now, but a moment ago."""
+        """Return the lines to bridge: established, not seen now, but a moment ago, and still in view."""
         return {
             identity: line
             for identity, line in self._memory.lines.items()
-            if identity not in seen and line.times_seen >= SEEN_OFTEN and self._is_fresh(line, stamp_ns)
+            if identity not in seen
+            and line.times_seen >= SEEN_OFTEN
+            and self._is_fresh(line, stamp_ns)
+            and self._is_in_view(line)
         }
+
+    def _is_in_view(self, line: KnownLine) -> bool:
+        aside = np.abs(line.course.offsets(self._memory.axis))
+        return bool(np.median(aside) < self.half_width - BORDER)
 
     def _is_fresh(self, line: KnownLine, stamp_ns: int) -> bool:
         """Whether a line was seen so short a time ago that it may be bridged."""

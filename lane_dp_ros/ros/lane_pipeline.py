@@ -81,6 +81,7 @@ class LanePipeline:
         if measured:
             answer = self._along_known_axis(answer, stamp_ns, config)
         self._tracker.config = config.tracking
+        self._tracker.half_width = config.birds_eye.width / 2
         seen = answer.lanes if measured else trusted(answer.lanes, self._known)
         lanes = self._tracker.update(seen, stamp_ns)
         ids = {lane.id for lane in self._known}

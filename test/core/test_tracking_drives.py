@@ -191,6 +191,15 @@ def test_only_what_was_seen_often_is_bridged(frames, bridged):
     assert len(tracker.update(drive.lanes(10)[:2], 10 * FRAME)) == 2 + bridged
 
 
+@pytest.mark.parametrize(("half_width", "bridged"), [(5.6, True), (5.4, False)])
+def test_a_line_that_leaves_the_view_sideways_is_not_bridged(half_width, bridged):
+    drive = DRIVES["straight"]
+    tracker, ids = after(drive, 20)
+    tracker.half_width = half_width
+    found = {lane.id for lane in tracker.update(drive.lanes(20)[1:], 20 * FRAME)}
+    assert found == (set(ids) if bridged else set(ids[1:]))
+
+
 @pytest.mark.parametrize("jump", [1.1, -0.1, -100.0])
 def test_nothing_is_bridged_across_a_jump_of_time(jump):
     tracker, ids = after(DRIVES["straight"], 20)
