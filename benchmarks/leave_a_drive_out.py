@@ -4,9 +4,8 @@
 
 python benchmarks/leave_a_drive_out.py DATA [--suite DIR] [--jobs N]
 DATA: the labelled KITTI frames. For each drive, the thresholds of thresholds.py - parameters and constants -
-are chosen on all other drives, and the drive is judged with them. Chosen are they on these drives as they
-are, in a mirror and at other exposures (varied_pairs.py); judged is the drive as it is. --suite: choose on
-one frame of each category of these scenes, too.
+are chosen on all other drives - as they are, in a mirror and at other exposures, see varied_pairs.py - and
+the drive is judged with them, as it is. --suite: choose on one frame of each category of these scenes, too.
 
 A threshold's grid is what is physically plausible. The search begins in the middle of every grid, not at the
 defaults, and goes through the thresholds in turn; each step away from the middle has to pay.
