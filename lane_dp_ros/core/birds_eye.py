@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -51,6 +52,20 @@ def birds_eye_view(
         on_road = seen & ~((height > config.height_tolerance) & stands_out)
     grey = _area_mean(image, map_u, map_v)
     return BirdsEyeView(grey, seen, on_road, height, map_u, map_v, s, n, axis, ground, surface)
+
+
+def right_view(image: NDArray[np.uint8], view: BirdsEyeView) -> BirdsEyeView:
+    """Return what the grey right image (H, W) shows of the ground in the same cells as a view of the left one.
+
+    The surface's disparity leads from pixel to pixel. `on_road` cells are those of the left view, without
+    what the right camera does not see.
+    """
+    shift = view.surface.disparity(view.map_u, view.map_v) + view.surface.camera.disparity_offset
+    map_u = np.asarray(view.map_u - shift, dtype=np.float32)
+    seen = view.seen & _inside(map_u, view.map_v, image.shape)
+    np.clip(map_u, 0, image.shape[1] - 1, out=map_u)
+    grey = _area_mean(image, map_u, view.map_v)
+    return replace(view, image=grey, seen=seen, on_road=view.on_road & seen, map_u=map_u)
 
 
 def _area_mean(

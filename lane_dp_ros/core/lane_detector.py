@@ -83,7 +83,7 @@ class LaneDetector:
             return LaneDetection(disparity=disparity, seconds=watch.seconds, note=note)
         with watch("vanishing_point"):
             vanishing_point, axis, ground = self._direction(left, disparity, road)
-        picture = RoadPicture(left, disparity, road, ground)
+        picture = RoadPicture(left, right, disparity, road, ground)
         found = search_lanes(picture, axis, config, rng, watch)
         if config.lane_selection.evidence:
             turned = turned_axis(found.candidates, axis, config.lane_selection, config.vanishing_point)
@@ -93,16 +93,19 @@ class LaneDetector:
         detection = LaneDetection((), disparity, road, vanishing_point, seconds=watch.seconds)
         return _with_lanes(detection, found, heights=right is not None)
 
-    def detect_along(self, axis: RoadAxis, left: Image, detection: LaneDetection) -> LaneDetection:
+    def detect_along(
+        self, axis: RoadAxis, left: Image, right: Image | None, detection: LaneDetection
+    ) -> LaneDetection:
         """Return the lanes of a pair along `axis`, or its `detection` where that has more paint.
 
-        `left` is the pair's left image and `detection` what `detect` returned for both of them.
+        `detection` is what `detect` returned for the same images.
         """
         view = detection.birds_eye
         if view is None:
             return detection
         watch = Stopwatch(detection.seconds)
-        picture = RoadPicture(_grey(left, "left"), detection.disparity, view.surface, view.ground)
+        left, right = _grey(left, "left"), None if right is None else _grey(right, "right")
+        picture = RoadPicture(left, right, detection.disparity, view.surface, view.ground)
         rng = np.random.default_rng(self.config.seed)
         found = search_lanes(picture, axis, self.config, rng, watch)
         if found.score <= detection.score:

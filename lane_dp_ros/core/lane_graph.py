@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.birds_eye import right_view
 from lane_dp_ros.core.config import LaneGraphConfig
 from lane_dp_ros.core.data import BirdsEyeView, LaneGraph
 
@@ -27,10 +28,15 @@ TEXTURE_MAX = 30.0  # grey levels; a stronger change is another object, not text
 SENSOR_NOISE = 3.0  # grey levels
 
 
-def build_graph(view: BirdsEyeView, config: LaneGraphConfig) -> LaneGraph:
-    """Return the graph of a bird's-eye view, by the feature that `config` names."""
+def build_graph(
+    view: BirdsEyeView, config: LaneGraphConfig, right: NDArray[np.uint8] | None = None
+) -> LaneGraph:
+    """Return the graph of a bird's-eye view, by the feature that `config` names.
+
+    Bands are looked for in the grey `right` image (H, W), too; the paper's feature is the left image's.
+    """
     if config.feature == "bands":
-        return band_graph(view, config)
+        return band_graph(view, config, right)
     return edge_graph(view, config)
 
 
@@ -52,15 +58,22 @@ def edge_graph(view: BirdsEyeView, config: LaneGraphConfig) -> LaneGraph:
     return LaneGraph(feature, view.on_road, paint, nothing, nothing)
 
 
-def band_graph(view: BirdsEyeView, config: LaneGraphConfig) -> LaneGraph:
+def band_graph(
+    view: BirdsEyeView, config: LaneGraphConfig, right: NDArray[np.uint8] | None = None
+) -> LaneGraph:
     """Return the graph of bright bands of a paint's width.
 
     The contrast of a band is that against its left or right flank, whichever is less, each in units of
     the texture on that side along the road: on rough ground it takes more to be paint. f rises from 0 at
-    `config.contrast_min` to 1 at `config.contrast_max`.
+    `config.contrast_min` to 1 at `config.contrast_max`. Of the left and the grey `right` image (H, W) the
+    one counts that shows a cell's band better: glare and noise lie elsewhere for the other camera.
     """
     texture = road_texture(view)
     contrast = band_contrast(view, texture)
+    if right is not None:
+        other = right_view(right, view)
+        contrast_there = band_contrast(other, road_texture(other))
+        np.maximum(contrast, contrast_there, out=contrast, where=other.seen)
     share = (contrast - config.contrast_min) / (config.contrast_max - config.contrast_min)
     paint = np.where(view.on_road, np.maximum(share, 0), 0).astype(np.float32)
     return LaneGraph(np.minimum(paint, 1), view.on_road, paint, contrast, texture)

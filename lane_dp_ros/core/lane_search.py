@@ -28,9 +28,13 @@ Judged = tuple[LaneLine, LaneEvidence]
 
 @dataclass(frozen=True)
 class RoadPicture:
-    """The grey left image (H, W) and its disparity (H, W) [px]; for the others see `BirdsEyeView`."""
+    """The grey images (H, W), the right one where it is of use, and the left one's disparity (H, W) [px].
 
-    image: NDArray[np.uint8]
+    For the others see `BirdsEyeView`.
+    """
+
+    left: NDArray[np.uint8]
+    right: NDArray[np.uint8] | None
     disparity: NDArray[np.float32]
     surface: RoadSurface
     ground: RoadSurface
@@ -58,10 +62,10 @@ def search_lanes(
     """Return the lane lines along `axis`; `watch` takes the time of each step."""
     with watch("birds_eye"):
         view = birds_eye_view(
-            picture.image, picture.disparity, picture.surface, axis, config.birds_eye, picture.ground
+            picture.left, picture.disparity, picture.surface, axis, config.birds_eye, picture.ground
         )
     with watch("lane_graph"):
-        graph = build_graph(view, config.lane_graph)
+        graph = build_graph(view, config.lane_graph, picture.right)
     with watch("path_search"):
         paths = tuple(find_paths(graph, view.resolution, config.path_search))
     with watch("lane_model"):

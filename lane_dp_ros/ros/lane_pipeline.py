@@ -107,7 +107,7 @@ class LanePipeline:
             return answer
         other = self._axis.other_axis(detection.birds_eye.axis, stamp_ns)
         if other is not None:
-            detection = LaneDetector(camera, config).detect_along(other, answer.left, detection)
+            detection = LaneDetector(camera, config).detect_along(other, answer.left, answer.right, detection)
         if detection.lanes and detection.birds_eye:
             self._axis.update(detection.birds_eye.axis, stamp_ns)
         return replace(answer, detection=detection, lanes=detection.lanes)

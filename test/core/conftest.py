@@ -77,6 +77,18 @@ def picture_of() -> Callable[..., np.ndarray]:
     return picture_of
 
 
+@pytest.fixture(scope="session")
+def right_of() -> Callable[..., np.ndarray]:
+    """Return a function: the right camera's picture of what the left one shows of a surface without roll."""
+
+    def right_of(left: np.ndarray, surface: RoadSurface) -> np.ndarray:
+        v, u = np.indices(left.shape, dtype=np.float32)
+        shift = surface.disparity(u, v) + surface.camera.disparity_offset
+        return cv2.remap(left, (u + shift).astype(np.float32), v, cv2.INTER_LINEAR, borderValue=ASPHALT)
+
+    return right_of
+
+
 @pytest.fixture(scope="session", params=SCENES, ids=str)
 def scene(request) -> tuple[Road, ScenePair]:
     """A rendered stereo pair, grey, and the road in it: all is known exactly."""

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.birds_eye import birds_eye_view
+from lane_dp_ros.core.birds_eye import birds_eye_view, right_view
 from lane_dp_ros.core.config import BirdsEyeConfig
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 
@@ -187,3 +187,40 @@ def test_awkward_input_gives_a_view(awkward_image, awkward_disparity, awkward_ca
     view = birds_eye_view(awkward_image, disparity, road, RoadAxis(0.1, -0.05), SMALL)
     assert view.image.shape == view.height.shape == view.on_road.shape == (10, 20)
     assert not np.any(view.on_road & ~view.seen)
+
+
+def test_the_right_image_shows_the_same_ground_in_the_same_cells(camera, picture_of, right_of, disparity_of):
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    left = picture_of(road, AXIS, (-1.8, 1.2))
+    view = birds_eye_view(left, disparity_of(road), road, AXIS, CONFIG)
+    other = right_view(right_of(left, road), view)
+    both = view.seen & other.seen
+    assert np.count_nonzero(both) > 0.5 * both.size
+    apart = np.abs(view.image.astype(int) - other.image)[both]
+    assert np.mean(apart) < 1 and np.percentile(apart, 99) < 10  # paint is 110 grey levels brighter
+
+
+def test_what_either_camera_does_not_see_or_stands_on_the_road_is_not_on_the_right_views_road(
+    camera, blank, disparity_of
+):
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    disparity = disparity_of(road)
+    disparity[200:210] += 20  # a bar across the road
+    view = birds_eye_view(blank, disparity, road, RoadAxis(), replace(CONFIG, width=12.0))
+    other = right_view(blank, view)
+    assert np.any(view.on_road & ~other.seen)  # at the left border the left camera alone sees the ground
+    assert np.any(other.seen & ~view.on_road)
+    assert np.array_equal(other.on_road, view.on_road & other.seen)
+    assert not np.any(other.seen & ~view.seen)
+
+
+def test_a_disparity_offset_moves_the_right_view(camera, picture_of, right_of, disparity_of):
+    """The principal points of the two cameras differ by 5 px; depth is fx * baseline / (d - 5)."""
+    road = RoadSurface.plane(replace(camera, disparity_offset=5.0), HEIGHT, 0.02)
+    left = picture_of(road, RoadAxis(), (0.55,))  # the middle of a column
+    view = birds_eye_view(left, disparity_of(road), road, RoadAxis(), CONFIG)
+    other = right_view(right_of(left, road), view)
+    rows = view.seen[:, 45] & other.seen[:, 45]
+    assert np.count_nonzero(rows) > 25
+    np.testing.assert_array_equal(view.image[rows].argmax(axis=1), 45)
+    np.testing.assert_array_equal(other.image[rows].argmax(axis=1), 45)

@@ -23,18 +23,18 @@ def detection(pair):
 
 
 def test_an_axis_with_less_paint_changes_nothing_but_the_time(pair, detection):
-    again = DETECTOR.detect_along(RoadAxis(0.4, -0.03), pair.left, detection)
+    again = DETECTOR.detect_along(RoadAxis(0.4, -0.03), pair.left, pair.right, detection)
     assert again.lanes is detection.lanes and again.birds_eye is detection.birds_eye
     assert again.score == detection.score > 0
     assert again.seconds["path_search"] > detection.seconds["path_search"]
 
 
 def test_the_right_axis_brings_the_lanes_back(pair, detection):
-    wrong = DETECTOR.detect_along(RoadAxis(0.4, -0.03), pair.left, LaneDetection(
+    wrong = DETECTOR.detect_along(RoadAxis(0.4, -0.03), pair.left, pair.right, LaneDetection(
         disparity=detection.disparity, road=detection.road, birds_eye=detection.birds_eye, score=-1.0
     ))  # fmt: skip
     assert wrong.score < detection.score
-    found = DETECTOR.detect_along(detection.birds_eye.axis, pair.left, wrong)
+    found = DETECTOR.detect_along(detection.birds_eye.axis, pair.left, pair.right, wrong)
     assert found.score == detection.score and len(found.lanes) == len(detection.lanes)
     for lane, before in zip(found.lanes, detection.lanes, strict=True):
         np.testing.assert_array_equal(lane.points, before.points)
@@ -44,4 +44,4 @@ def test_the_right_axis_brings_the_lanes_back(pair, detection):
 
 def test_a_pair_without_a_road_stays_as_it_is(pair):
     nothing = LaneDetection(note="no road")
-    assert DETECTOR.detect_along(RoadAxis(), pair.left, nothing) is nothing
+    assert DETECTOR.detect_along(RoadAxis(), pair.left, pair.right, nothing) is nothing

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import LaneGraphConfig, preset
+from lane_dp_ros.core.birds_eye import birds_eye_view, right_view
+from lane_dp_ros.core.config import BirdsEyeConfig, LaneGraphConfig, preset
 from lane_dp_ros.core.lane_graph import (
     SENSOR_NOISE,
     TEXTURE_MAX,
@@ -18,6 +19,7 @@ from lane_dp_ros.core.lane_graph import (
     road_texture,
     shifted,
 )
+from lane_dp_ros.core.road import RoadAxis, RoadSurface
 
 CENTRE = 1.025  # m, the middle of a column
 ROW = 40
@@ -123,6 +125,48 @@ def test_cells_that_show_no_road_are_no_paint(painted_road, feature):
     assert graph.feature[seen].any()
     assert not graph.feature[~seen].any()
     assert np.all(graph.cost[~seen] == 1)
+
+
+@pytest.fixture
+def two_sights(camera, picture_of, right_of, disparity_of):
+    """Return a function: view and right image of a flat road with lines that the cameras see, n [m] of each."""
+    surface = RoadSurface.plane(camera, 1.6, 0.02)
+
+    def two_sights(left, right):
+        seen, by_right = (picture_of(surface, RoadAxis(), offsets) for offsets in (left, right))
+        view = birds_eye_view(seen, disparity_of(surface), surface, RoadAxis(), BirdsEyeConfig())
+        return view, right_of(by_right, surface)
+
+    return two_sights
+
+
+def test_a_band_counts_by_the_camera_that_shows_it_better(two_sights):
+    """Glare hides one line from the left camera, another one from the right camera."""
+    view, right = two_sights(left=(-1.825, 0.525), right=(0.525, 1.775))
+    alone, both = (build_graph(view, LaneGraphConfig(), image) for image in (None, right))
+    found = [n for n in (-1.825, 0.525, 1.775) if both.feature[ROW, column(view, n)] == 1]
+    assert found == [-1.825, 0.525, 1.775]
+    assert alone.feature[ROW, column(view, 1.775)] == 0
+    assert np.all(both.contrast >= alone.contrast)
+    assert np.count_nonzero(both.feature[ROW]) < 40  # nothing else, 0.05 m a column
+    np.testing.assert_array_equal(both.texture, alone.texture)
+    np.testing.assert_array_equal(both.seen, alone.seen)
+
+
+def test_where_the_right_camera_does_not_see_the_ground_the_left_image_counts(two_sights):
+    view, right = two_sights(left=(-1.825,), right=())
+    right[:] = np.random.default_rng(0).integers(0, 255, right.shape)
+    alone, both = (build_graph(view, LaneGraphConfig(), image) for image in (None, right))
+    hidden = view.seen & ~right_view(right, view).seen
+    assert np.count_nonzero(hidden) > 50
+    np.testing.assert_array_equal(both.contrast[hidden], alone.contrast[hidden])
+
+
+def test_the_papers_feature_is_that_of_the_left_image(two_sights):
+    view, right = two_sights(left=(-1.825,), right=(1.775,))
+    np.testing.assert_array_equal(
+        build_graph(view, EDGES, right).feature, build_graph(view, EDGES).feature
+    )
 
 
 @pytest.mark.parametrize("weight", [0.0, 0.6, 1.0])  # 0.6: w_e of the paper

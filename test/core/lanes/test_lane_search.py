@@ -22,7 +22,7 @@ def search(camera, disparity_of, picture_of):
 
     def search(offsets=(-1.8, 1.7), axis=BEND, road=BEND, watch=None, **values):
         picture = picture_of(surface, road, offsets)
-        everything = RoadPicture(picture, disparity_of(surface), surface, surface)
+        everything = RoadPicture(picture, None, disparity_of(surface), surface, surface)
         config = replaced(
             DetectorConfig(), {name.replace("__", "."): value for name, value in values.items()}
         )
@@ -43,7 +43,7 @@ def painted_surface(camera, disparity_of, picture_of):
             drawn = picture_of(surface, RoadAxis(), (n,)).astype(float) - blank
             picture += drawn / 110 * levels
         grey = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
-        everything = RoadPicture(grey, disparity_of(surface), surface, surface)
+        everything = RoadPicture(grey, None, disparity_of(surface), surface, surface)
         config = replaced(DetectorConfig(), {"lane_selection.contrast_min": 0.0})
         return search_lanes(everything, RoadAxis(), config, np.random.default_rng(0), Stopwatch())
 
