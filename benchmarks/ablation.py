@@ -20,8 +20,9 @@ import numpy as np
 from command_line import KNOWN_ERRORS, exit_code, parser_of
 from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
-from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneLine, RoadEdges
+from lane_dp_ros.core.config import DetectorConfig, LaneGraphConfig
+from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine, RoadEdges
+from lane_dp_ros.core.lane_graph import build_graph
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis
 from lane_dp_ros.tools.convert import progress
@@ -49,6 +50,11 @@ def even_texture(view: BirdsEyeView) -> np.ndarray[Any, Any]:
 def yes(*_: object) -> bool:
     """Accept every line."""
     return True
+
+
+def graph_of_left(view: BirdsEyeView, config: LaneGraphConfig, *_: object) -> LaneGraph:
+    """Look for paint in the left image alone."""
+    return build_graph(view, config)
 
 
 def unextended(line: LaneLine, *_: object) -> LaneLine:
@@ -93,6 +99,8 @@ ABLATIONS = (
         f"{CORE}.lane_detector.turned_axis": nothing}),
     Ablation("one sample for each cell, not the mean over it", patches={
         f"{CORE}.birds_eye.SAMPLES": (1, 1)}),
+    Ablation("paint looked for in the left image alone", patches={
+        f"{CORE}.lane_search.build_graph": graph_of_left}),
     Ablation("no height mask", {"birds_eye.height_tolerance": 1.0}),
     Ablation("the paper's feature: edges and grey", {"lane_graph.feature": "edges_and_grey"}),
     Ablation("no texture normalisation", patches={f"{CORE}.lane_graph.road_texture": even_texture}),

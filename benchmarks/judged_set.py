@@ -76,7 +76,7 @@ class JudgedPair:
         detection = self.detected(config)
         if self.stamp_ns is None:
             return detection.lanes
-        answer = Answer(self.left, "", self.camera, detection, detection.lanes)
+        answer = Answer(self.left, "", self.camera, detection, detection.lanes, right=self.right)
         return pipeline.follow(answer, self.stamp_ns, config).lanes
 
     def judged(self, lanes: tuple[Lane, ...]) -> FrameResult:

@@ -135,7 +135,7 @@ class PathSearchConfig(Parameters):
         1.5, "Metres of paint that make a candidate; for free ends.", unit="m", limits=(0.5, 20.0)
     )
     blank_cost: float = parameter(
-        0.15, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
+        0.14, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
     )
     neighbours: int = parameter(
         3, "k, columns by which a path may move from row to row; for Algorithm 2.", limits=(1, 10)
@@ -187,7 +187,7 @@ class LaneSelectionConfig(Parameters):
     )
     start_max: float = parameter(22.0, "Farthest beginning of a line.", unit="m", limits=(5.0, 100.0))
     score_min: float = parameter(
-        2.2, "Net metres of paint of a line beside another one.", unit="m", limits=(0.5, 20.0)
+        1.9, "Net metres of paint of a line beside another one.", unit="m", limits=(0.5, 20.0)
     )
     score_alone: float = parameter(
         3.4, "Net metres of paint of a line by itself.", unit="m", limits=(0.5, 30.0)

@@ -66,17 +66,26 @@ def band_graph(
     The contrast of a band is that against its left or right flank, whichever is less, each in units of
     the texture on that side along the road: on rough ground it takes more to be paint. f rises from 0 at
     `config.contrast_min` to 1 at `config.contrast_max`. Of the left and the grey `right` image (H, W) the
-    one counts that shows a cell's band better: glare and noise lie elsewhere for the other camera.
+    one counts that shows a cell's band better: glare and noise lie elsewhere for the other camera. Where
+    the left image shows paint, `paint` is its own: lanes are told in the left camera's frame.
     """
     texture = road_texture(view)
     contrast = band_contrast(view, texture)
+    paint = _share_of_certain_paint(contrast, view, config)
     if right is not None:
         other = right_view(right, view)
         contrast_there = band_contrast(other, road_texture(other))
         np.maximum(contrast, contrast_there, out=contrast, where=other.seen)
+    share = _share_of_certain_paint(contrast, view, config)
+    return LaneGraph(
+        np.minimum(share, 1), view.on_road, np.where(paint > 0, paint, share), contrast, texture
+    )
+
+
+def _share_of_certain_paint(contrast: Floats, view: BirdsEyeView, config: LaneGraphConfig) -> Floats:
+    """Return what part of certain paint's contrast there is, above no paint's; 0 off the road."""
     share = (contrast - config.contrast_min) / (config.contrast_max - config.contrast_min)
-    paint = np.where(view.on_road, np.maximum(share, 0), 0).astype(np.float32)
-    return LaneGraph(np.minimum(paint, 1), view.on_road, paint, contrast, texture)
+    return np.where(view.on_road, np.maximum(share, 0), 0).astype(np.float32)
 
 
 def road_texture(view: BirdsEyeView) -> Floats:

@@ -28,7 +28,7 @@ BESIDE = 0.75  # m; nearer lines are a double line
 STRONG = 6.0  # m of paint, in a long piece or in dashes, that lift a line above being an arrow or hatching
 LONG_PIECE, DASHES = 8.0, 3  # m, number
 LONE_PIECE = 4.0  # m; a shorter piece by itself is any bright patch
-UNKNOWN_HEIGHT = 5.0  # m of paint of a line by itself whose height is not known: what stands is a streak, too
+UNKNOWN_HEIGHT = 6.0  # m of paint of a line by itself whose height is not known: what stands is a streak, too
 
 
 def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig, bend: float) -> bool:

@@ -162,6 +162,16 @@ def test_where_the_right_camera_does_not_see_the_ground_the_left_image_counts(tw
     np.testing.assert_array_equal(both.contrast[hidden], alone.contrast[hidden])
 
 
+def test_a_line_lies_where_the_left_image_shows_it(two_sights):
+    """A surface that is a little wrong moves what the right camera sees by 5 cm."""
+    view, right = two_sights(left=(0.525,), right=(0.575,))
+    rows = np.flatnonzero(view.seen[:, column(view, 0.525)])[:80]
+    graph = build_graph(view, LaneGraphConfig(), right)
+    n, weight = view.paint_centres(graph, rows, np.full(len(rows), float(column(view, 0.525))))
+    assert weight.min() > 0.5
+    assert n == pytest.approx(0.525, abs=0.02)
+
+
 def test_the_papers_feature_is_that_of_the_left_image(two_sights):
     view, right = two_sights(left=(-1.825,), right=(1.775,))
     np.testing.assert_array_equal(
