@@ -99,13 +99,18 @@ def _labelled(pair: LabelledPair) -> JudgedPair:
 def kitti_pairs(data: Path) -> list[JudgedPair]:
     """Return the labelled pairs of the KITTI frames, and all of the sequence without paint."""
     labelled = labelled_pairs(data, data / "labels" / "lanes.json")
-    drive = read_odometry(data / "kitti_odometry" / "sequences" / "06")
+    return [pair for pair in labelled if pair.sequence != UNPAINTED] + drive_pairs(data, "06")
+
+
+def drive_pairs(data: Path, name: str) -> list[JudgedPair]:
+    """Return all pairs of a drive of KITTI's odometry, in order, without their labels."""
+    drive = read_odometry(data / "kitti_odometry" / "sequences" / name)
     camera = StereoCamera.from_projections(drive.P_left, drive.P_right)
-    unpainted = [
-        JudgedPair(f"{UNPAINTED}/{left.stem}", UNPAINTED, _read(left), _read(right), camera, None, stamp_ns)
+    sequence = f"kitti_odometry/{name}"
+    return [
+        JudgedPair(f"{sequence}/{left.stem}", sequence, _read(left), _read(right), camera, None, stamp_ns)
         for left, right, stamp_ns in zip(drive.left, drive.right, drive.stamps_ns, strict=True)
     ]
-    return [pair for pair in labelled if pair.sequence != UNPAINTED] + unpainted
 
 
 def _grey(image: Image) -> Image:

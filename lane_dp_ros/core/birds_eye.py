@@ -55,7 +55,7 @@ def birds_eye_view(
 
 
 def right_view(image: NDArray[np.uint8], view: BirdsEyeView) -> BirdsEyeView:
-    """Return what the grey right image (H, W) shows of the ground in the same cells as a view of the left one.
+    """Return a view of the grey right image (H, W), of the same ground in each cell as the left view.
 
     The surface's disparity leads from pixel to pixel. `on_road` cells are those of the left view, without
     what the right camera does not see.

@@ -77,9 +77,7 @@ def band_graph(
         contrast_there = band_contrast(other, road_texture(other))
         np.maximum(contrast, contrast_there, out=contrast, where=other.seen)
     share = _share_of_certain_paint(contrast, view, config)
-    return LaneGraph(
-        np.minimum(share, 1), view.on_road, np.where(paint > 0, paint, share), contrast, texture
-    )
+    return LaneGraph(np.minimum(share, 1), view.on_road, np.where(paint > 0, paint, share), contrast, texture)
 
 
 def _share_of_certain_paint(contrast: Floats, view: BirdsEyeView, config: LaneGraphConfig) -> Floats:

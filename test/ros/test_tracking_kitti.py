@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lanes over time on real drives, judged by their labels: a bent ramp with hatching, and a straight road."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,9 +23,10 @@ from lane_dp_ros.tools.judging import judge
 from lane_dp_ros.tools.summary import summarise
 from lane_dp_ros.tools.truth import load_truth
 
-DRIVES = ("01", "02")
-AHEAD = 10.0  # m
-WINDOW = 5  # frames
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
+
+from steady_lines import DRIVES, jitters
+
 Frames = list[tuple[int, tuple[Lane, ...]]]  # stamp [ns] and lanes
 Answers = list[tuple[int, Answer]]
 
@@ -67,23 +70,6 @@ def judged(name: str, camera: StereoCamera, frames: Frames, labels) -> Summary:
     )
 
 
-def jitters(frames: Frames) -> list[float]:
-    """Return, for each id in five frames on end, the deviation [m] of x at 10 m from a straight line."""
-    places = [
-        {lane.id: np.interp(AHEAD, lane.points[:, 2], lane.points[:, 0]) for lane in lanes
-         if lane.extent[0] <= AHEAD <= lane.extent[1]}
-        for _, lanes in frames
-    ]  # fmt: skip
-    windows = [places[i : i + WINDOW] for i in range(len(places) - WINDOW + 1)]
-    t = np.arange(WINDOW)
-    return [
-        float(np.std(x - np.polyval(np.polyfit(t, x, 1), t)))
-        for window in windows
-        for i in set(window[0]).intersection(*window[1:])
-        for x in [np.array([place[i] for place in window])]
-    ]
-
-
 @pytest.mark.parametrize("name", DRIVES)
 def test_every_painted_line_keeps_its_id(name, detected, labels):
     camera, frames = detected(name)
@@ -113,7 +99,7 @@ def test_tracking_is_as_exact_as_each_frame_by_itself(detected, labels):
 
 def test_lines_are_steady(detected):
     """Taken over both drives; on the ramp half of it is the vehicle's own turning."""
-    values = [value for name in DRIVES for value in jitters(tracked(detected(name)[1]))]
+    values = [value for name in DRIVES for value in jitters(lanes for _, lanes in tracked(detected(name)[1]))]
     assert np.mean(values) <= 0.0105
 
 

@@ -13,6 +13,7 @@ import pytest
 
 from lane_dp_ros.core import lane_selection
 from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.tools.evaluation import Summary
 from lane_dp_ros.tools.scenes.scene import CAMERA, Motion, Scene, render_frame
@@ -23,7 +24,9 @@ import ablation
 import calibrate_confidence
 import judged_set
 import leave_a_drive_out
+import steady_lines
 import thresholds
+import varied_frames
 import varied_pairs
 import what_hinders
 
@@ -252,7 +255,7 @@ def test_the_regression_finds_the_share_of_right_lines():
     assert calibrate_confidence.predicted(np.array([[1.0]]), weights)[0] == pytest.approx(0.5, abs=0.04)
 
 
-@pytest.mark.parametrize("script", [leave_a_drive_out, calibrate_confidence])
+@pytest.mark.parametrize("script", [leave_a_drive_out, calibrate_confidence, steady_lines, varied_frames])
 def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["script", str(tmp_path / "none")])
     assert script.main() == 1
@@ -273,3 +276,38 @@ def test_a_label_that_is_not_found_is_named(pairs):
     assert what_hinders.not_found(pairs[0].judged(pairs[0].detected(DetectorConfig()).lanes)) == []
     found = what_hinders.not_found(pairs[0].judged(pairs[0].detected(blind).lanes))
     assert found and set(found) < set(labels)  # the dashed one has too little paint
+
+
+def test_jitter_is_what_a_line_deviates_from_its_own_motion():
+    def lane(identity, x):
+        return Lane(np.array([[x, 1.6, 6.0], [x, 1.6, 14.0]]), 1.0, 0.15, "other", 0.0, x, identity)
+
+    def drive(*offsets, identity=3):
+        return [(lane(identity, x),) for x in offsets]
+
+    assert steady_lines.jitters(drive(1.0, 1.1, 1.2, 1.3, 1.4, 1.5)) == pytest.approx([0.0, 0.0], abs=1e-9)
+    swinging = [0.0, 0.1, 0.0, -0.1, 0.0]
+    assert steady_lines.jitters(drive(*swinging)) == pytest.approx([np.std(swinging - np.polyval(
+        np.polyfit(range(5), swinging, 1), range(5)))])  # fmt: skip
+    assert steady_lines.jitters(drive(*swinging[:4])) == []
+    assert steady_lines.jitters(drive(0.0, 0.0, 0.0) + drive(0.0, 0.0, identity=4)) == []
+
+
+def test_the_frames_are_judged_in_a_mirror_and_at_other_exposures(kitti_data, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["varied_frames", str(kitti_data), "--jobs", "2"])
+    assert varied_frames.main() == 0
+    rows = [line for line in capsys.readouterr().out.splitlines() if " 69 " in line]  # own lines, each way
+    assert [row.split("  ")[0] for row in rows] == [
+        "as they are", "in a mirror", "gamma 0.7", "in a mirror, gamma 0.7", "gamma 1.4",
+        "in a mirror, gamma 1.4",
+    ]  # fmt: skip
+    precision = [float(row.split()[-6]) for row in rows]
+    assert min(precision) > 0.85 and max(precision) < 1
+
+
+def test_the_lines_of_both_drives_are_steady(kitti_data, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["steady_lines", str(kitti_data)])
+    assert steady_lines.main() == 0
+    out = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in out] == ["01", "02", "all"]
+    assert 0.002 < float(out[-1].split()[-2]) <= 0.0105

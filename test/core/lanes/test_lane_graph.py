@@ -129,7 +129,7 @@ def test_cells_that_show_no_road_are_no_paint(painted_road, feature):
 
 @pytest.fixture
 def two_sights(camera, picture_of, right_of, disparity_of):
-    """Return a function: view and right image of a flat road with lines that the cameras see, n [m] of each."""
+    """Return a function: view and right image of a flat road, by the lines n [m] that each camera sees."""
     surface = RoadSurface.plane(camera, 1.6, 0.02)
 
     def two_sights(left, right):
@@ -174,9 +174,7 @@ def test_a_line_lies_where_the_left_image_shows_it(two_sights):
 
 def test_the_papers_feature_is_that_of_the_left_image(two_sights):
     view, right = two_sights(left=(-1.825,), right=(1.775,))
-    np.testing.assert_array_equal(
-        build_graph(view, EDGES, right).feature, build_graph(view, EDGES).feature
-    )
+    np.testing.assert_array_equal(build_graph(view, EDGES, right).feature, build_graph(view, EDGES).feature)
 
 
 @pytest.mark.parametrize("weight", [0.0, 0.6, 1.0])  # 0.6: w_e of the paper
