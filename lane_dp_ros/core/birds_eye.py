@@ -20,6 +20,8 @@ Floats = NDArray[Any]
 IMAGE_BORDER = 2  # px; interpolation next to the border makes up grey values
 DEPTH_MIN = 3.0  # m
 SAMPLES = (2, 4)  # across and along each cell; more give nothing
+HEAD_ROOM = 0.01  # m; what stands as high as the cameras hides nothing of the road
+HOLES = np.ones((3, 5), np.uint8)  # cells; between those that a standing thing moves to
 ABOVE_PX = 1.0  # px; less difference in disparity is noise, however many metres it is
 
 
@@ -55,17 +57,33 @@ def birds_eye_view(
 
 
 def right_view(image: NDArray[np.uint8], view: BirdsEyeView) -> BirdsEyeView:
-    """Return a view of the grey right image (H, W), of the same ground in each cell as the left view.
+    """Return what the grey right image (H, W) shows in the cells of a view of the left one.
 
-    The surface's disparity leads from pixel to pixel. `on_road` cells are those of the left view, without
-    what the right camera does not see.
+    The surface's disparity leads from pixel to pixel. `seen` is what both cameras see, `on_road` what of it
+    neither sees standing on the road. All that is no picture stays the left camera's.
     """
     shift = view.surface.disparity(view.map_u, view.map_v) + view.surface.camera.disparity_offset
     map_u = np.asarray(view.map_u - shift, dtype=np.float32)
     seen = view.seen & _inside(map_u, view.map_v, image.shape)
     np.clip(map_u, 0, image.shape[1] - 1, out=map_u)
     grey = _area_mean(image, map_u, view.map_v)
-    return replace(view, image=grey, seen=seen, on_road=view.on_road & seen, map_u=map_u)
+    return replace(view, image=grey, seen=seen, on_road=view.on_road & seen & ~_hidden_from_right(view))
+
+
+def _hidden_from_right(view: BirdsEyeView) -> NDArray[np.bool_]:
+    """Return the cells in whose place the right camera sees what stands on the road.
+
+    What stands h above the road is seen against ground that lies farther off; between what the left and the
+    right camera see it against lie b h / (H - h), for a baseline b and cameras at the height H.
+    """
+    rows, columns = np.nonzero(view.seen & ~view.on_road)
+    height = view.height[rows, columns]
+    camera = view.surface.camera
+    aside = camera.baseline * height / np.maximum(view.surface.camera_height - height, HEAD_ROOM)
+    first = columns - np.rint(aside / view.resolution[1]).astype(int)
+    hidden = np.zeros(view.seen.shape, np.uint8)
+    hidden[rows[first >= 0], first[first >= 0]] = 1
+    return np.asarray(cv2.morphologyEx(hidden, cv2.MORPH_CLOSE, HOLES) > 0)
 
 
 def _area_mean(

@@ -181,7 +181,7 @@ class LaneSelectionConfig(Parameters):
         0.15, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
     )
     contrast_min: float = parameter(
-        0.03,
+        0.1,
         "Weber contrast of the paint against the road on both sides; in glare less will do.",
         limits=(-1.0, 1.0),
     )

@@ -56,8 +56,8 @@ class LaneGraph:
 
     `feature` f is in [0, 1], 0 where no road is `seen`; a node costs 1 - f. `paint` >= 0 has its peak on
     the centre of a painted line (f peaks on the edges when it is made of edges, and is flat across a
-    bright line when it is made of bands). `contrast` [units of texture] and `texture` [grey levels] are
-    what the bands were judged by; zero for the paper's features.
+    bright line when it is made of bands). `contrast` [units of texture] is that of the image that shows it
+    better, `texture` [grey levels] the left image's; both are zero for the paper's feature.
     """
 
     feature: NDArray[np.float32]

@@ -98,13 +98,15 @@ class LaneDetector:
     ) -> LaneDetection:
         """Return the lanes of a pair along `axis`, or its `detection` where that has more paint.
 
-        `detection` is what `detect` returned for the same images.
+        `detection` is what `detect` returned for the same images. Raises ValueError as `detect` does.
         """
         view = detection.birds_eye
         if view is None:
             return detection
         watch = Stopwatch(detection.seconds)
         left, right = _grey(left, "left"), None if right is None else _grey(right, "right")
+        if right is not None:
+            _check_equal_size(left, right)
         picture = RoadPicture(left, right, detection.disparity, view.surface, view.ground)
         rng = np.random.default_rng(self.config.seed)
         found = search_lanes(picture, axis, self.config, rng, watch)

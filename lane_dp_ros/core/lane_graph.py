@@ -75,9 +75,10 @@ def band_graph(
     if right is not None:
         other = right_view(right, view)
         contrast_there = band_contrast(other, road_texture(other))
-        np.maximum(contrast, contrast_there, out=contrast, where=other.seen)
-    share = _share_of_certain_paint(contrast, view, config)
-    return LaneGraph(np.minimum(share, 1), view.on_road, np.where(paint > 0, paint, share), contrast, texture)
+        np.maximum(contrast, contrast_there, out=contrast, where=other.on_road)
+    share = _share_of_certain_paint(contrast, view, config) if right is not None else paint
+    feature = np.minimum(share, 1)
+    return LaneGraph(feature, view.on_road, np.where(paint > 0, paint, feature), contrast, texture)
 
 
 def _share_of_certain_paint(contrast: Floats, view: BirdsEyeView, config: LaneGraphConfig) -> Floats:

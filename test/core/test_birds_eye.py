@@ -224,3 +224,24 @@ def test_a_disparity_offset_moves_the_right_view(camera, picture_of, right_of, d
     assert np.count_nonzero(rows) > 25
     np.testing.assert_array_equal(view.image[rows].argmax(axis=1), 45)
     np.testing.assert_array_equal(other.image[rows].argmax(axis=1), 45)
+
+
+def test_cells_behind_which_the_right_camera_sees_a_standing_thing_are_not_on_its_road(camera, blank, disparity_of):
+    """A kerb 0.3 m high, 2 m to the right of a straight road: the right camera sees it b h / (H - h) to the left."""
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    height = 0.3
+    v, u = np.indices(blank.shape, dtype=np.float32)
+    x, z = road.pixel_to_ground(u, v)
+    disparity = disparity_of(road)
+    # Where the left camera looks past the top of the kerb; what is that high has the larger disparity.
+    standing = (x * (1 - height / HEIGHT) > 2.0) & (x * (1 - height / HEIGHT) < 2.2) & (z < 30)
+    disparity[standing] /= 1 - height / HEIGHT
+    view = birds_eye_view(blank, disparity, road, RoadAxis(), CONFIG)
+    other = right_view(blank, view)
+    row = int(np.argmin(np.abs(view.s - 12.0)))
+    kerb = view.n[view.seen[row] & ~view.on_road[row]]
+    hidden = view.n[view.on_road[row] & other.seen[row] & ~other.on_road[row]]
+    assert len(kerb) and len(hidden)
+    aside = camera.baseline * height / (HEIGHT - height)
+    assert hidden.min() == pytest.approx(kerb.min() - aside, abs=0.15)
+    assert hidden.max() <= kerb.max()

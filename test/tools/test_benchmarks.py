@@ -296,18 +296,12 @@ def test_jitter_is_what_a_line_deviates_from_its_own_motion():
 def test_the_frames_are_judged_in_a_mirror_and_at_other_exposures(kitti_data, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["varied_frames", str(kitti_data), "--jobs", "2"])
     assert varied_frames.main() == 0
-    rows = [line for line in capsys.readouterr().out.splitlines() if " 69 " in line]  # own lines, each way
-    assert [row.split("  ")[0] for row in rows] == [
+    rows = dict(line.split("  ", 1) for line in capsys.readouterr().out.splitlines()[2:])
+    assert list(rows) == [
         "as they are", "in a mirror", "gamma 0.7", "in a mirror, gamma 0.7", "gamma 1.4",
         "in a mirror, gamma 1.4",
     ]  # fmt: skip
-    precision = [float(row.split()[-6]) for row in rows]
-    assert min(precision) > 0.85 and max(precision) < 1
-
-
-def test_the_lines_of_both_drives_are_steady(kitti_data, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["steady_lines", str(kitti_data)])
-    assert steady_lines.main() == 0
-    out = capsys.readouterr().out.splitlines()
-    assert [line.split(":")[0] for line in out] == ["01", "02", "all"]
-    assert 0.002 < float(out[-1].split()[-2]) <= 0.0105
+    markings, incorrect, missed = np.array([row.split()[:3] for row in rows.values()], float).T
+    assert np.all(markings == 69)
+    assert np.all(incorrect + missed <= 12)
+    assert len(set(missed)) > 1  # each way is judged by itself

@@ -172,11 +172,6 @@ def test_a_line_lies_where_the_left_image_shows_it(two_sights):
     assert n == pytest.approx(0.525, abs=0.02)
 
 
-def test_the_papers_feature_is_that_of_the_left_image(two_sights):
-    view, right = two_sights(left=(-1.825,), right=(1.775,))
-    np.testing.assert_array_equal(build_graph(view, EDGES, right).feature, build_graph(view, EDGES).feature)
-
-
 @pytest.mark.parametrize("weight", [0.0, 0.6, 1.0])  # 0.6: w_e of the paper
 def test_the_papers_feature_is_edges_and_grey_by_their_weights(painted_road, weight):
     view = painted_road().line(CENTRE, 0.35).view()

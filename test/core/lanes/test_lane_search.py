@@ -54,6 +54,22 @@ def offsets_of(found: LaneSearch) -> list[float]:
     return sorted(float(np.median(line.n)) for line, _ in found.lanes)
 
 
+def test_a_line_that_only_one_camera_shows_well_is_followed(camera, picture_of, right_of, disparity_of):
+    """Beyond 14 m of one line the left image is burnt out."""
+    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    right = right_of(picture_of(surface, RoadAxis(), (-1.8, 1.7)), surface)
+    left = picture_of(surface, RoadAxis(), (-1.8, 1.7))
+    x, z = surface.pixel_to_ground(*np.indices(left.shape, dtype=np.float32)[::-1])
+    left[(x > 0.9) & (z > 14)] = 255
+    ends = []
+    for image in (None, right):
+        picture = RoadPicture(left, image, disparity_of(surface), surface, surface)
+        found = search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
+        ends.append([float(line.s[-1]) for line, _ in found.lanes if np.median(line.n) > 0])
+    assert ends[0] == [] or ends[0][0] < 16
+    assert ends[1][0] > 24
+
+
 def test_lines_along_the_axis_are_found_where_they_are(search):
     found = search()
     assert offsets_of(found) == pytest.approx([-1.8, 1.7], abs=0.01)

@@ -147,7 +147,7 @@ def test_a_free_path_starts_and_ends_with_the_paint():
     assert_near_to_far(paths)
     assert (paths[0].rows[0], paths[0].rows[-1]) == (31, 10)
     assert np.all(paths[0].columns == 30)
-    assert paths[0].score == pytest.approx(11 * (1 - 0.15))  # 22 rows of 0.5 m, each less the blank cost
+    assert paths[0].score == pytest.approx(11 * (1 - FREE.blank_cost))  # 22 rows of 0.5 m, each less the blank cost
 
 
 def test_a_free_path_bridges_the_gaps_of_a_dashed_line():
@@ -156,12 +156,12 @@ def test_a_free_path_bridges_the_gaps_of_a_dashed_line():
     paths = find_paths(graph_of(drawn(line)), METRES, FREE)
     assert len(paths) == 1
     assert (paths[0].rows[0], paths[0].rows[-1]) == (39, 0)
-    assert paths[0].score == pytest.approx(14 * 0.85 - 6 * 0.15)
+    assert paths[0].score == pytest.approx(14 - 20 * FREE.blank_cost)
 
 
 def test_a_gap_too_long_to_pay_is_not_bridged():
     line = np.full(60, 30)
-    line[6:50] = -1  # 22 m of blank road cost 3.3, 3 m of paint gain 2.55
+    line[6:50] = -1  # 22 m of blank road cost 3.1, 3 m of paint gain 2.6
     paths = find_paths(graph_of(drawn(line, shape=(60, 60))), METRES, FREE)
     assert sorted((path.rows[0], path.rows[-1]) for path in paths) == [(5, 0), (59, 50)]
 
@@ -171,7 +171,7 @@ def test_unseen_rows_cost_a_free_path_nothing():
     seen = np.ones((40, 60), bool)
     seen[10:30] = False
     paths = find_paths(graph_of(drawn(line), seen), METRES, FREE)
-    assert paths[0].score == pytest.approx(10 * 0.85)
+    assert paths[0].score == pytest.approx(10 * (1 - FREE.blank_cost))
 
 
 def test_a_free_path_follows_a_slanted_line():
