@@ -129,6 +129,9 @@ def _contrast(sections: Floats) -> tuple[float, float]:
     right = np.median(sections[:, middle + near : middle + far], axis=1)
     left, right = np.where(left > SATURATED, right, left), np.where(right > SATURATED, left, right)
     road = np.maximum(left, right)
+    known = road <= SATURATED
+    if known.any():  # where both sides are burnt out, the right image alone may show the paint
+        paint, road = paint[known], road[known]
     rise = paint - road
     return float(np.median(rise / (road + DARK))), float(np.median(rise / (WHITE + DARK - road)))
 

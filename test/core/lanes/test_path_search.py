@@ -147,7 +147,9 @@ def test_a_free_path_starts_and_ends_with_the_paint():
     assert_near_to_far(paths)
     assert (paths[0].rows[0], paths[0].rows[-1]) == (31, 10)
     assert np.all(paths[0].columns == 30)
-    assert paths[0].score == pytest.approx(11 * (1 - FREE.blank_cost))  # 22 rows of 0.5 m, each less the blank cost
+    assert paths[0].score == pytest.approx(
+        11 * (1 - FREE.blank_cost)
+    )  # 22 rows of 0.5 m, each less the blank cost
 
 
 def test_a_free_path_bridges_the_gaps_of_a_dashed_line():
@@ -182,7 +184,7 @@ def test_a_free_path_follows_a_slanted_line():
     assert np.abs(error).max() <= 0.5
     assert np.abs(error.mean()) < 0.1
     steepness = 4.0 * 0.1**2 * 20  # SLOPE_COST times slope^2 over 20 m
-    assert paths[0].score == pytest.approx(20 * 0.85 - steepness, abs=0.1)
+    assert paths[0].score == pytest.approx(20 * (1 - FREE.blank_cost) - steepness, abs=0.1)
 
 
 def test_lines_close_together_are_found_pass_by_pass():
