@@ -226,10 +226,10 @@ def test_a_disparity_offset_moves_the_right_view(camera, picture_of, right_of, d
     np.testing.assert_array_equal(other.image[rows].argmax(axis=1), 45)
 
 
-def test_cells_behind_which_the_right_camera_sees_a_standing_thing_are_not_on_its_road(
+def test_cells_that_a_standing_thing_hides_from_the_right_camera_are_not_on_its_road(
     camera, blank, disparity_of
 ):
-    """A kerb 0.3 m high, 2 m to the right of a straight road: the right camera sees it b h / (H - h) to the left."""
+    """A kerb 0.3 m high, 2 m to the right: the right camera sees it b h / (H - h) further left."""
     road = RoadSurface.plane(camera, HEIGHT, 0.02)
     height = 0.3
     v, u = np.indices(blank.shape, dtype=np.float32)
