@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.birds_eye import right_view
 from lane_dp_ros.core.config import LaneGraphConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneGraph
+from lane_dp_ros.core.data import CENTRE_WINDOW, BirdsEyeView, LaneGraph
 
 Floats = NDArray[Any]
 
@@ -67,7 +67,7 @@ def band_graph(
     the texture on that side along the road: on rough ground it takes more to be paint. f rises from 0 at
     `config.contrast_min` to 1 at `config.contrast_max`. Of the left and the grey `right` image (H, W) the
     one counts that shows a cell's band better: glare and noise lie elsewhere for the other camera. Where
-    the left image shows paint, `paint` is its own: lanes are told in the left camera's frame.
+    the left image shows paint nearby, `paint` is its own: lanes are told in the left camera's frame.
     """
     texture = road_texture(view)
     contrast = band_contrast(view, texture)
@@ -77,8 +77,11 @@ def band_graph(
         contrast_there = band_contrast(other, road_texture(other))
         np.maximum(contrast, contrast_there, out=contrast, where=other.on_road)
     share = _share_of_certain_paint(contrast, view, config) if right is not None else paint
-    feature = np.minimum(share, 1)
-    return LaneGraph(feature, view.on_road, np.where(paint > 0, paint, feature), contrast, texture)
+    width = 2 * round(CENTRE_WINDOW / view.resolution[1]) + 1
+    shown_by_left = cv2.dilate(paint, np.ones((1, width), np.uint8)) > 0
+    return LaneGraph(
+        np.minimum(share, 1), view.on_road, np.where(shown_by_left, paint, share), contrast, texture
+    )
 
 
 def _share_of_certain_paint(contrast: Floats, view: BirdsEyeView, config: LaneGraphConfig) -> Floats:
