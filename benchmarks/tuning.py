@@ -59,7 +59,7 @@ TRIED: dict[str, tuple[Value, ...]] = {
     "lane_selection.height_max": (0.025, 0.1),
     "lane_selection.slope_max": (0.06, 0.24),
     "lane_selection.roughness_max": (0.075, 0.3),
-    "lane_selection.contrast_min": (0.0, 0.1),
+    "lane_selection.contrast_min": (0.05, 0.2),
     "lane_selection.start_max": (11.0, 34.0),
     "lane_selection.score_min": (1.1, 4.4),
     "lane_selection.score_alone": (1.7, 6.8),

@@ -166,7 +166,7 @@ def test_a_row_has_a_cell_under_each_head_and_a_number_for_each_value():
     before, after = {"labelled frames": GOOD, "06": BARE}, {"labelled frames": WORSE, "06": BARE}
     row = tuning.row("lane_selection.score_min", before, [before, after])
     assert {line.count("|") for line in [*tuning.heads(before).splitlines(), row]} == {row.count("|")}
-    assert row.startswith("| `lane_selection.score_min` | 1.9 | m | 0.95 / 3.8 | 0 / -5.0 | 0 / 0 | ")
+    assert row.startswith("| `lane_selection.score_min` | 1.9 | m | 1.1 / 4.4 | 0 / -5.0 | 0 / 0 | ")
     assert row.endswith("| 0 / 0 |")
 
 
