@@ -29,7 +29,7 @@ from varied_pairs import varied
 
 from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.evaluation import Summary
-from lane_dp_ros.tools.evaluation_text import COLUMNS, table
+from lane_dp_ros.tools.evaluation_text import COLUMNS_OF_FRAMES, table
 from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.summary import summarise
 
@@ -167,10 +167,9 @@ def all_but(drive: str, drives: Iterable[str]) -> list[str]:
 
 def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> None:
     """Print the verdicts with the drive left out, those by the defaults, and what was chosen how often."""
-    columns = COLUMNS[: [column.attribute for column in COLUMNS].index("id_switches")]
     for title, scores in (("left out", left_out), ("defaults", defaults)):
         total = {"total": sum(scores.values(), Summary())}
-        print(table(title, {**scores, **total}, columns), end="\n\n")
+        print(table(title, {**scores, **total}, COLUMNS_OF_FRAMES), end="\n\n")
     error = sum(left_out.values(), Summary()).localisation_error
     print(f"localisation error with the drive left out: {error:.3f} m")
     print(f"lines on the frames of {UNPAINTED}: {left_out[UNPAINTED].false_lanes}\n")

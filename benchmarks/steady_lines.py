@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 from command_line import exit_code, parser_of
@@ -22,7 +22,7 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.ros.lane_pipeline import LanePipeline
 from lane_dp_ros.tools.judging import JITTER_DEPTH
-from lane_dp_ros.tools.summary import JITTER_FRAMES
+from lane_dp_ros.tools.summary import JITTER_FRAMES, deviations
 
 DRIVES = ("01", "02")
 
@@ -35,16 +35,14 @@ def jitters(frames: Iterable[Iterable[Lane]]) -> list[float]:
         for lanes in frames
     ]  # fmt: skip
     windows = [places[i : i + JITTER_FRAMES] for i in range(len(places) - JITTER_FRAMES + 1)]
-    return [
-        _deviation([place[identity] for place in window])
+    of_windows = [
+        deviations(
+            np.array([[place[i] for i in common] for place in window]), np.arange(float(JITTER_FRAMES))
+        )
         for window in windows
-        for identity in set(window[0]).intersection(*window[1:])
+        if (common := sorted(set(window[0]).intersection(*window[1:])))
     ]
-
-
-def _deviation(x: Sequence[float]) -> float:
-    t = np.arange(len(x))
-    return float(np.std(x - np.polyval(np.polyfit(t, x, 1), t)))
+    return [float(deviation) for of_window in of_windows for deviation in of_window]
 
 
 def run(arguments: argparse.Namespace) -> None:

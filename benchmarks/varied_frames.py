@@ -17,7 +17,7 @@ from judged_set import Judges, labelled_pairs
 from varied_pairs import GAMMAS, exposed, mirrored
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.tools.evaluation_text import COLUMNS, table
+from lane_dp_ros.tools.evaluation_text import COLUMNS_OF_FRAMES, table
 from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.summary import summarise
 
@@ -32,8 +32,7 @@ def run(arguments: argparse.Namespace) -> None:
     with Judges([pair for way in ways.values() for pair in way], arguments.jobs, alone=True) as judges:
         results = {result.name: result for result in judges.results(DetectorConfig())}
     summaries = {name: summarise(results[pair.name] for pair in way) for name, way in ways.items()}
-    columns = COLUMNS[: [column.attribute for column in COLUMNS].index("id_switches")]
-    print(table("the labelled frames", summaries, columns))
+    print(table("the labelled frames", summaries, COLUMNS_OF_FRAMES))
 
 
 def main() -> int:

@@ -20,7 +20,7 @@ Floats = NDArray[Any]
 IMAGE_BORDER = 2  # px; interpolation next to the border makes up grey values
 DEPTH_MIN = 3.0  # m
 SAMPLES = (2, 4)  # across and along each cell; more give nothing
-HEAD_ROOM = 0.01  # m; what stands as high as the cameras hides nothing of the road
+BELOW_CAMERAS = 0.01  # m; what stands higher hides no road
 HOLES = np.ones((3, 5), np.uint8)  # cells; between those that a standing thing moves to
 ABOVE_PX = 1.0  # px; less difference in disparity is noise, however many metres it is
 
@@ -79,7 +79,7 @@ def _hidden_from_right(view: BirdsEyeView) -> NDArray[np.bool_]:
     rows, columns = np.nonzero(view.seen & ~view.on_road)
     height = view.height[rows, columns]
     camera = view.surface.camera
-    aside = camera.baseline * height / np.maximum(view.surface.camera_height - height, HEAD_ROOM)
+    aside = camera.baseline * height / np.maximum(view.surface.camera_height - height, BELOW_CAMERAS)
     first = columns - np.rint(aside / view.resolution[1]).astype(int)
     hidden = np.zeros(view.seen.shape, np.uint8)
     hidden[rows[first >= 0], first[first >= 0]] = 1

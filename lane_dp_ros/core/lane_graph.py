@@ -76,7 +76,7 @@ def band_graph(
         other = right_view(right, view)
         contrast_there = band_contrast(other, road_texture(other))
         np.maximum(contrast, contrast_there, out=contrast, where=other.on_road)
-    share = _share_of_certain_paint(contrast, view, config) if right is not None else paint
+    share = _share_of_certain_paint(contrast, view, config)
     width = 2 * round(CENTRE_WINDOW / view.resolution[1]) + 1
     shown_by_left = cv2.dilate(paint, np.ones((1, width), np.uint8)) > 0
     return LaneGraph(

@@ -45,6 +45,8 @@ COLUMNS = (
     Column("jitter", "m", "jitter"),
     Column("latency", "ms", "latency", ".1f", 1e3),
 )
+# Those that need no frames in a row, nor a clock.
+COLUMNS_OF_FRAMES = COLUMNS[: [column.attribute for column in COLUMNS].index("id_switches")]
 
 # JSON key: the summary's attribute
 SUMMARY_KEYS = {

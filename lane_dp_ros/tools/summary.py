@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lane_dp_ros.tools.evaluation import FrameResult, Match, Summary
 from lane_dp_ros.tools.literature import CULane, TuSimple
@@ -15,6 +17,8 @@ MEMORY_NS = (
     1_000_000_000  # after a longer gap the node has forgotten its lines: nothing is compared across it
 )
 JITTER_FRAMES = 5
+
+Floats = NDArray[np.floating[Any]]
 
 
 def summarise(results: Iterable[FrameResult]) -> Summary:
@@ -104,10 +108,15 @@ def _jitters(window: Sequence[FrameResult]) -> list[tuple[float, float]]:
     return [_jitter([by_label[label] for by_label in matches], seconds) for label in common]
 
 
-def _jitter(matches: Sequence[Match], seconds: np.ndarray) -> tuple[float, float]:
+def _jitter(matches: Sequence[Match], seconds: Floats) -> tuple[float, float]:
     """Return the standard deviations [m] of detection and label at 10 m about their straight lines."""
     positions = np.array([[m.position, m.label_position] for m in matches], dtype=np.float64)
+    detected, true = deviations(positions, seconds)
+    return float(detected), float(true)
+
+
+def deviations(positions: Floats, seconds: Floats) -> Floats:
+    """Return the standard deviations (M,) [m] of positions (N, M) [m] about straight lines over N seconds."""
     line = np.column_stack([np.ones_like(seconds), seconds])
     residuals = positions - line @ np.linalg.lstsq(line, positions, rcond=None)[0]
-    detected, true = residuals.std(axis=0)
-    return float(detected), float(true)
+    return residuals.std(axis=0)

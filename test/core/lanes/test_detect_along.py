@@ -38,6 +38,7 @@ def test_the_right_axis_brings_the_lanes_back(pair, detection):
     assert found.score == detection.score and len(found.lanes) == len(detection.lanes)
     for lane, before in zip(found.lanes, detection.lanes, strict=True):
         np.testing.assert_array_equal(lane.points, before.points)
+    np.testing.assert_array_equal(found.graph.feature, detection.graph.feature)  # both images served
     assert found.vanishing_point == pytest.approx(detection.vanishing_point)
     assert not found.note
 
@@ -45,3 +46,8 @@ def test_the_right_axis_brings_the_lanes_back(pair, detection):
 def test_a_pair_without_a_road_stays_as_it_is(pair):
     nothing = LaneDetection(note="no road")
     assert DETECTOR.detect_along(RoadAxis(), pair.left, pair.right, nothing) is nothing
+
+
+def test_images_of_different_size_are_an_error(pair, detection):
+    with pytest.raises(ValueError, match="differ in size"):
+        DETECTOR.detect_along(RoadAxis(), pair.left, pair.right[:, :-2], detection)

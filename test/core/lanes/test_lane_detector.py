@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The whole detector on rendered pairs, whose lane lines are known exactly, and on pictures of nothing."""
 
+import cv2
 import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.lane_detector import LaneDetector
+from lane_dp_ros.core.lane_graph import build_graph
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadSurface
 from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road, render_pair
@@ -258,3 +260,11 @@ def test_a_grey_and_a_coloured_picture_of_equal_size_are_a_pair():
 def test_small_pictures_of_the_scene_are_answered(pair):
     quarter = [np.ascontiguousarray(image[::4, ::4]) for image in (pair.left, pair.right)]
     LaneDetector(CAMERA).detect(*quarter)  # the camera's matrix no longer fits: whatever it says, no crash
+
+
+def test_paint_is_looked_for_in_both_images(pair, detection):
+    left, right = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (pair.left, pair.right))
+    view, config = detection.birds_eye, DetectorConfig().lane_graph
+    np.testing.assert_array_equal(detection.graph.contrast, build_graph(view, config, right).contrast)
+    for image in (None, left):
+        assert not np.array_equal(detection.graph.contrast, build_graph(view, config, image).contrast)
