@@ -23,6 +23,7 @@ from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 from lane_dp_ros.core.config import DetectorConfig, LaneGraphConfig
 from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine, RoadEdges
 from lane_dp_ros.core.lane_graph import build_graph
+from lane_dp_ros.core.line_heights import LineHeights
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis
 from lane_dp_ros.tools.convert import progress
@@ -64,6 +65,16 @@ def unextended(line: LaneLine, *_: object) -> LaneLine:
 
 def nothing(*_: object) -> None:
     """Look along no other axis."""
+
+
+def whole(line: LaneLine, *_: object) -> list[LaneLine]:
+    """Do not end a line at a stop line."""
+    return [line]
+
+
+def no_heights(*_: object) -> LineHeights:
+    """Know no heights."""
+    return LineHeights()
 
 
 def no_lines(*_: object) -> list[LaneLine]:
@@ -113,6 +124,8 @@ ABLATIONS = (
     Ablation("the paper's parabola by RANSAC", {"lane_model.model": "parabola"}),
     Ablation("robust parabola instead of cubic", patches={f"{CORE}.lane_model.CUBIC_LENGTH": ANY}),
     Ablation("dashes not followed over gaps", patches={f"{CORE}.lane_search.extend_line": unextended}),
+    Ablation("lines not ended at stop lines", patches={f"{CORE}.lane_search.end_at_stop_lines": whole}),
+    Ablation("no heights along lines", patches={f"{CORE}.lane_evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
     Ablation("no test of the least width", {"lane_selection.paint_width_min": 0.0}),
     Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),
@@ -134,15 +147,14 @@ ABLATIONS = (
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0}),
     Ablation("mid-lane rule: dashes do not count", patches={f"{SELECTION}.DASHES": ANY}),
     Ablation("weak lines need no partner", {"lane_selection.score_alone": 0.5}, {
-        f"{SELECTION}.UNKNOWN_HEIGHT": 0.0, f"{SELECTION}.LONE_PIECE": 0.0}),
+        f"{SELECTION}.UNKNOWN_HEIGHT": 0.0}),
     Ablation("unknown height asks for no more paint", patches={f"{SELECTION}.UNKNOWN_HEIGHT": 0.0}),
-    Ablation("a short piece may stand by itself", patches={f"{SELECTION}.LONE_PIECE": 0.0}),
     Ablation("no tests at all, only 4 m of paint", {
         "lane_selection.score_min": 4.0, "lane_selection.score_alone": 4.0,
     }, {
         f"{CORE}.lane_search.is_paint": yes, f"{CORE}.lane_search.parallel_lines": no_lines,
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0,
-        f"{SELECTION}.UNKNOWN_HEIGHT": 0.0, f"{SELECTION}.LONE_PIECE": 0.0,
+        f"{SELECTION}.UNKNOWN_HEIGHT": 0.0,
     }),
     Ablation("no second look for parallel lines", patches={f"{CORE}.lane_search.parallel_lines": no_lines}),
     Ablation("no tracker", {"tracking.enabled": False}),

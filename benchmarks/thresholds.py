@@ -23,7 +23,6 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.score_min": (1.0, 2.0, 3.0, 4.0, 5.0),  # m
     "lane_selection.score_alone": (2.0, 3.0, 4.0, 6.0, 8.0),  # m
     "lane_selection.UNKNOWN_HEIGHT": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
-    "lane_selection.LONE_PIECE": (1.5, 3.0, 6.0),  # m
     "lane_selection.start_max": (14.0, 20.0, 26.0),  # m
     "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
     "lane_selection.HEADROOM_MIN": (0.05, 0.15, 0.25),
@@ -49,6 +48,8 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.DASHES": (2, 3, 4),
     "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
     "lane_selection.lane_width_max": (3.75, 4.25, 4.75),  # m
+    "line_heights.DISTINCT": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "stop_lines.JUNCTION": (6.0, 9.0, 12.0),  # m
     "path_search.min_score": (1.0, 1.5, 2.0, 2.5, 3.0),  # m
     "path_search.blank_cost": (0.10, 0.15, 0.20, 0.25, 0.30),
     "lane_graph.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),

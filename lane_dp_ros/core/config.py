@@ -108,7 +108,7 @@ class LaneGraphConfig(Parameters):
         limits=(0.0, 1.0),
     )
     contrast_min: float = parameter(
-        0.4, "Contrast of no paint, in units of the road's texture; for bands.", limits=(0.0, 10.0)
+        0.35, "Contrast of no paint, in units of the road's texture; for bands.", limits=(0.0, 10.0)
     )
     contrast_max: float = parameter(
         2.8, "Contrast of certain paint, in units of the road's texture; for bands.", limits=(0.1, 20.0)
@@ -170,15 +170,13 @@ class LaneSelectionConfig(Parameters):
 
     evidence: bool = parameter(True, "Judge lines by their evidence; else every line of the model is a lane.")
     paint_width_min: float = parameter(0.09, "Narrower bands are rails, seams.", unit="m", limits=(0.0, 0.3))
-    paint_width_max: float = parameter(0.34, "Broader bands are no lane lines.", unit="m", limits=(0.1, 1.0))
+    paint_width_max: float = parameter(0.36, "Broader bands are no lane lines.", unit="m", limits=(0.1, 1.0))
     height_max: float = parameter(
-        0.04, "Highest height above the road; more is a kerb.", unit="m", limits=(0.0, 1.0)
+        0.05, "Greatest height above the ground beside it; more is a kerb.", unit="m", limits=(0.0, 1.0)
     )
-    slope_max: float = parameter(
-        0.11, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
-    )
+    slope_max: float = parameter(0.1, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0))
     roughness_max: float = parameter(
-        0.15, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
+        0.2, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
     )
     contrast_min: float = parameter(
         0.1,
@@ -190,9 +188,9 @@ class LaneSelectionConfig(Parameters):
         1.9, "Net metres of paint of a line beside another one.", unit="m", limits=(0.5, 20.0)
     )
     score_alone: float = parameter(
-        3.4, "Net metres of paint of a line by itself.", unit="m", limits=(0.5, 30.0)
+        3.0, "Net metres of paint of a line by itself.", unit="m", limits=(0.5, 30.0)
     )
-    lane_width_min: float = parameter(2.4, "Narrowest lane.", unit="m", limits=(1.0, 4.0))
+    lane_width_min: float = parameter(2.5, "Narrowest lane.", unit="m", limits=(1.0, 4.0))
     lane_width_max: float = parameter(4.3, "Widest lane.", unit="m", limits=(2.0, 8.0))
 
     def __post_init__(self) -> None:

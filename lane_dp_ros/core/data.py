@@ -51,6 +51,20 @@ class VanishingPoint:
 
 
 @dataclass(frozen=True)
+class RoadPicture:
+    """The grey images (H, W), the right one where it is of use, and the left one's disparity (H, W) [px].
+
+    For the others see `BirdsEyeView`.
+    """
+
+    left: NDArray[np.uint8]
+    right: NDArray[np.uint8] | None
+    disparity: NDArray[np.float32]
+    surface: RoadSurface
+    ground: RoadSurface
+
+
+@dataclass(frozen=True)
 class LaneGraph:
     """The graph in which lanes are searched: a node for each cell (rows, columns) of a bird's-eye view.
 
@@ -187,12 +201,9 @@ class LaneEvidence:
     breadth: float
     """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
     height: float
-    """Median height [m] of the paint above the road, NaN where it is not known.
-
-    Where the ground on both sides lies higher than the road's surface, the road does; up to 2 cm count so.
-    """
+    """Height [m] of the paint above the ground on the vehicle's side of it, NaN where it is not known."""
     step: float
-    """How much higher [m] the ground beside the line is: a kerb has one; 0 where it is not known."""
+    """How much higher [m] the ground on the other side is: a kerb's; 0 where it is not known."""
     slope: float
     """Steepest lateral over forward, against the road's axis."""
     roughness: float

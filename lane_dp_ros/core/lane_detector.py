@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LanePath, VanishingPoint
+from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LanePath, RoadPicture, VanishingPoint
 from lane_dp_ros.core.disparity import dense_disparity
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_search import LaneSearch, RoadPicture, search_lanes
+from lane_dp_ros.core.lane_search import LaneSearch, search_lanes
 from lane_dp_ros.core.lanes import to_lanes
 from lane_dp_ros.core.left_alone import without_heights
 from lane_dp_ros.core.road import RoadAxis, RoadSurface

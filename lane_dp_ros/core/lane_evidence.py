@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine
+from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, RoadPicture
+from lane_dp_ros.core.line_heights import line_heights
 from lane_dp_ros.core.runs import runs_of
 
 Floats = NDArray[np.float32]
@@ -18,24 +19,20 @@ MIN_PAINTED = 3  # rows; with fewer the best ones are looked at
 SAMPLE = 0.05  # m between the samples of a cross section, whatever the view's resolution
 SECTION = 20  # samples to each side of the centre: the cross section that is looked at
 RECENTRE = 2  # samples by which a row's cross section may be moved onto its peak
-NEAR_LINE = 0.10  # m to each side of a line, where its paint and height are looked up
+NEAR_LINE = 0.10  # m to each side of a line, where its paint is looked up
 NEAR_PAINT = 10.0  # m of paint, the nearest, that give the cross section; the far ones are blurred
-HEIGHT_DEPTH = 25.0  # m; farther, disparity tells no heights of paint
 GAP_BRIDGED = 1.0  # m of missing paint inside one run
 ASIDE = 0.6  # m; where the texture beside the line is taken
 FLANK = (4, 10)  # samples from the centre; the road beside the paint, behind its blurred border and any crack
 WHITE = 255.0  # grey level
 SATURATED = 250.0  # grey levels; how bright such ground is nobody knows
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
-SAG = 0.02  # m by which the road itself may lie higher than its surface, a quadratic, says
-STEP = (0.35, 0.6)  # m aside; where a kerb stands beside a gutter
 DASH = 1.5  # m of paint, at least
-HEIGHT_SPREAD = 0.15  # m between the quartiles; heights that scatter more are not known
 DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 
 
-def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneEvidence:
-    """Return the evidence for a line in a bird's-eye view."""
+def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture: RoadPicture) -> LaneEvidence:
+    """Return the evidence for a line in a bird's-eye view; without a right image no heights are known."""
     column = ((line.n - view.n[0]) / view.resolution[1]).astype(np.float32)
     centre = np.clip(np.rint(column).astype(int), 0, len(view.n) - 1)
     reach = round(NEAR_LINE / view.resolution[1])
@@ -45,14 +42,12 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> LaneE
     sections = _cross_sections(view, line.rows[painted], column[painted])
     width, breadth = _band_shape(sections, view.resolution[0])
     contrast, headroom = _contrast(sections)
-    near = line.s < HEIGHT_DEPTH
-    height = _height(view, line.rows[near], around[near])
-    grounds = _grounds(view, line.rows[near], centre[near])
+    height, step = _height_and_step(line, view, picture)
     return LaneEvidence(
         paint_width=width,
         breadth=breadth,
-        height=height - _bulge(grounds),
-        step=_step(grounds, height),
+        height=height,
+        step=step,
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
         roughness=_roughness(line.rows, centre, view, graph),
         contrast=contrast,
@@ -148,32 +143,15 @@ def _brightness(
     return float(np.median((paint - road) / (road + DARK)))
 
 
-def _height(view: BirdsEyeView, rows: NDArray[np.intp], around: NDArray[np.intp]) -> float:
-    """Return the median height [m] of cells above the road, NaN where the disparity does not tell."""
-    heights = view.height[rows[:, None], around]
-    heights = heights[np.isfinite(heights)]
-    if len(heights) <= 5:
-        return np.nan
-    low, middle, high = np.percentile(heights, [25, 50, 75])
-    return float(middle) if high - low <= HEIGHT_SPREAD else np.nan
-
-
-def _grounds(view: BirdsEyeView, rows: NDArray[np.intp], centre: NDArray[np.intp]) -> tuple[float, float]:
-    """Return the heights [m] of the ground left and right of the line, NaN where they are not known."""
-    first, last = (round(d / view.resolution[1]) for d in STEP)
-    aside = np.arange(first, last + 1)
-    left, right = (np.clip(centre[:, None] + columns, 0, len(view.n) - 1) for columns in (-aside, aside))
-    return _height(view, rows, left), _height(view, rows, right)
-
-
-def _bulge(grounds: tuple[float, float]) -> float:
-    """Return how much higher [m] than its surface the road is, by the lower ground beside the line."""
-    return float(np.clip(min(grounds), 0.0, SAG)) if np.isfinite(grounds).all() else 0.0
-
-
-def _step(grounds: tuple[float, float], height: float) -> float:
-    """Return how much higher [m] than the line, of that `height`, the ground on its higher side is."""
-    return max((ground - height for ground in grounds if np.isfinite(ground - height)), default=0.0)
+def _height_and_step(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -> tuple[float, float]:
+    """Return `LaneEvidence.height` and `step`."""
+    heights = line_heights(line, view, picture)
+    towards, away = heights.left, heights.right
+    if np.median(line.n) < 0:
+        towards, away = away, towards
+    ground = next((height for height in (towards, away) if np.isfinite(height)), 0.0)
+    step = away - heights.line
+    return heights.line - ground, step if np.isfinite(step) else 0.0
 
 
 def _roughness(

@@ -8,11 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lane_dp_ros.core.birds_eye import birds_eye_view
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, LanePath
+from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, LanePath, RoadPicture
 from lane_dp_ros.core.lane_evidence import line_evidence
 from lane_dp_ros.core.lane_graph import build_graph
 from lane_dp_ros.core.lane_model import fit_line
@@ -20,24 +19,11 @@ from lane_dp_ros.core.lane_selection import is_paint, select_lanes
 from lane_dp_ros.core.line_extension import extend_line
 from lane_dp_ros.core.parallel_lines import parallel_lines
 from lane_dp_ros.core.path_search import find_paths
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.road import RoadAxis
+from lane_dp_ros.core.stop_lines import end_at_stop_lines
 from lane_dp_ros.core.stopwatch import Stopwatch
 
 Judged = tuple[LaneLine, LaneEvidence]
-
-
-@dataclass(frozen=True)
-class RoadPicture:
-    """The grey images (H, W), the right one where it is of use, and the left one's disparity (H, W) [px].
-
-    For the others see `BirdsEyeView`.
-    """
-
-    left: NDArray[np.uint8]
-    right: NDArray[np.uint8] | None
-    disparity: NDArray[np.float32]
-    surface: RoadSurface
-    ground: RoadSurface
 
 
 @dataclass(frozen=True)
@@ -72,15 +58,22 @@ def search_lanes(
         fitted = [fit_line(path, view, graph, config.lane_model, rng) for path in paths]
         lines = [line for line in fitted if line is not None]
         if config.path_search.free_ends:
-            lines = [extend_line(line, view, graph, config.path_search.blank_cost) for line in lines]
+            blank_cost = config.path_search.blank_cost
+            lines = [extend_line(line, view, graph, blank_cost) for line in lines]
+            lines = [piece for line in lines for piece in end_at_stop_lines(line, view, graph, blank_cost)]
     with watch("lane_selection"):
-        candidates = tuple((line, line_evidence(line, view, graph)) for line in lines)
-        lanes = _chosen(candidates, view, graph, config) if config.lane_selection.evidence else candidates
+        candidates = tuple((line, line_evidence(line, view, graph, picture)) for line in lines)
+        chosen = config.lane_selection.evidence
+        lanes = _chosen(candidates, view, graph, picture, config) if chosen else candidates
     return LaneSearch(view, graph, paths, candidates, lanes)
 
 
 def _chosen(
-    candidates: Sequence[Judged], view: BirdsEyeView, graph: LaneGraph, config: DetectorConfig
+    candidates: Sequence[Judged],
+    view: BirdsEyeView,
+    graph: LaneGraph,
+    picture: RoadPicture,
+    config: DetectorConfig,
 ) -> tuple[Judged, ...]:
     """Return the candidates that are lanes, and faint lines beside them that a second look finds."""
     selection, bend = config.lane_selection, view.axis.curvature
@@ -88,7 +81,7 @@ def _chosen(
     lines, evidence = [line for line, _ in painted], [evidence for _, evidence in painted]
     kept = select_lanes(lines, evidence, selection)
     for line in parallel_lines([lines[i] for i in kept], view, graph, selection):
-        found = line_evidence(line, view, graph)
+        found = line_evidence(line, view, graph, picture)
         if is_paint(line, found, selection, bend):
             lines.append(line)
             evidence.append(found)

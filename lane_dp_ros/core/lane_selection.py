@@ -11,13 +11,13 @@ import numpy as np
 from lane_dp_ros.core.config import LaneSelectionConfig
 from lane_dp_ros.core.data import LaneEvidence, LaneLine
 
-BREADTH_MAX = 1.04  # contrast of a 0.45 m band over that of a 0.15 m one; more is a verge or a light patch
+BREADTH_MAX = 1.0  # contrast of a 0.45 m band over that of a 0.15 m one; more is a verge or a light patch
 HEADROOM_MIN = 0.1  # share of what is left up to white; in glare paint can be no brighter than that
 SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
 
 # What a kerb, a gutter, a rail or a verge has and paint lacks: little contrast, and one of the others.
 KERB_CONTRAST, KERB_HEADROOM = 0.40, 0.35  # paint has more of one of them
-KERB_STEP = 0.10  # m that the ground beside it is higher
+KERB_STEP = 0.12  # m that the ground beside it is higher
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
 RAIL_WIDTH, KERB_WIDTH = 0.11, 0.3  # m; paint is neither narrower nor broader
 KERB_HEIGHT = 0.03  # m
@@ -27,7 +27,6 @@ SAME = 0.15  # m; nearer lines are one line found twice
 BESIDE = 0.75  # m; nearer lines are a double line
 STRONG = 6.0  # m of paint, in a long piece or in dashes, that lift a line above being an arrow or hatching
 LONG_PIECE, DASHES = 8.0, 3  # m, number
-LONE_PIECE = 4.0  # m; a shorter piece by itself is any bright patch
 UNKNOWN_HEIGHT = 6.0  # m of paint of a line by itself whose height is not known: what stands is a streak, too
 
 
@@ -73,7 +72,8 @@ def select_lanes(
     """
     chosen = list(kept)
     for i in sorted(set(range(len(lines))) - set(kept), key=lambda i: -lines[i].score):
-        gaps = [lateral_gap(lines[i], lines[k]) for k in chosen]
+        beside = [k for k in chosen if _side_by_side(lines[i], lines[k])]
+        gaps = [lateral_gap(lines[i], lines[k]) for k in beside]
         inside_lane = any(BESIDE < gap < config.lane_width_min for gap in gaps)
         if lines[i].score < config.score_min or (inside_lane and not _is_strong(lines[i], evidence[i])):
             continue
@@ -96,10 +96,16 @@ def _stands(
     config: LaneSelectionConfig,
 ) -> bool:
     """Return whether line i has enough paint for itself, or lies one lane's width from another."""
-    enough = config.score_alone if np.isfinite(evidence.height) else max(config.score_alone, UNKNOWN_HEIGHT)
+    known = np.isfinite(evidence.height)
+    if lines[i].score >= (config.score_alone if known else max(config.score_alone, UNKNOWN_HEIGHT)):
+        return True
     gaps = (lateral_gap(lines[i], lines[k]) for k in chosen if k != i)
-    by_itself = lines[i].score >= enough and (evidence.run >= LONE_PIECE or evidence.dashes > 1)
-    return by_itself or any(config.lane_width_min <= gap <= config.lane_width_max for gap in gaps)
+    return any(config.lane_width_min <= gap <= config.lane_width_max for gap in gaps)
+
+
+def _side_by_side(a: LaneLine, b: LaneLine) -> bool:
+    """Return whether two lines share a part of the road's length; else one lies behind the other."""
+    return bool(max(a.s[0], b.s[0]) < min(a.s[-1], b.s[-1]))
 
 
 def lateral_gap(a: LaneLine, b: LaneLine) -> float:

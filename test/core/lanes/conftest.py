@@ -9,7 +9,7 @@ import pytest
 
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import LaneGraphConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine
+from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, RoadPicture
 from lane_dp_ros.core.lane_evidence import line_evidence
 from lane_dp_ros.core.lane_graph import band_graph
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
@@ -87,6 +87,7 @@ def evidence_of() -> Callable[..., LaneEvidence]:
         rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
         s = view.s[rows]
         n = course(s) if callable(course) else np.full(len(s), course)
-        return line_evidence(LaneLine(rows, s, n, bend=0.0, score=10.0), view, graph)
+        mono = RoadPicture(view.image, None, view.height, view.surface, view.ground)
+        return line_evidence(LaneLine(rows, s, n, bend=0.0, score=10.0), view, graph, mono)
 
     return evidence_of

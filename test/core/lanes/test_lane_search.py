@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane_search import LaneSearch, RoadPicture, search_lanes
+from lane_dp_ros.core.data import RoadPicture
+from lane_dp_ros.core.lane_search import LaneSearch, search_lanes
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 from lane_dp_ros.core.stopwatch import Stopwatch
@@ -16,13 +17,14 @@ BEND = RoadAxis(heading=-0.05, curvature=0.01)
 
 
 @pytest.fixture(scope="module")
-def search(camera, disparity_of, picture_of):
+def search(camera, disparity_of, picture_of, right_of):
     """Return a function: what is found along an axis of a road with lines at `offsets` [m] along `road`."""
     surface = RoadSurface.plane(camera, 1.6, 0.02)
 
     def search(offsets=(-1.8, 1.7), axis=BEND, road=BEND, watch=None, **values):
         picture = picture_of(surface, road, offsets)
-        everything = RoadPicture(picture, None, disparity_of(surface), surface, surface)
+        right = right_of(picture, surface)
+        everything = RoadPicture(picture, right, disparity_of(surface), surface, surface)
         config = replaced(
             DetectorConfig(), {name.replace("__", "."): value for name, value in values.items()}
         )

@@ -1,111 +1,125 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The heights of a line and of the ground beside it, on drawn roads whose numbers are known."""
+"""Heights along a line, on pairs of grainy ground whose heights are known."""
 
+import cv2
 import numpy as np
 import pytest
 
 from lane_dp_ros.core import lane_evidence
-from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.birds_eye import birds_eye_view
+from lane_dp_ros.core.config import BirdsEyeConfig
+from lane_dp_ros.core.data import LaneLine, RoadPicture
+from lane_dp_ros.core.line_heights import FAR, HEIGHTS, LineHeights, line_heights
+from lane_dp_ros.core.road import RoadAxis, RoadSurface
 
-CENTRE = 1.025  # m
-LIMITS = LaneSelectionConfig()
+pytestmark = pytest.mark.filterwarnings("error")
 
-
-@pytest.mark.parametrize("height", [-0.1, 0.0, 0.09])
-def test_height_is_that_of_the_paint_above_the_road(painted_road, evidence_of, height):
-    road = painted_road().line(CENTRE)
-    road.height[:, np.abs(road.n - CENTRE) < 0.2] = height
-    assert evidence_of(road).height == pytest.approx(height)
-
-
-@pytest.mark.parametrize(("ground", "height"), [(0.015, 0.03), (0.02, 0.025), (0.2, 0.025), (-0.2, 0.045)])
-def test_where_the_road_bulges_paint_is_no_higher(painted_road, evidence_of, ground, height):
-    """By a little more than a quadratic follows; not by a pavement or a ditch on both sides."""
-    road = painted_road().line(CENTRE)
-    road.height[:] = ground
-    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.045
-    assert evidence_of(road).height == pytest.approx(height)
+SHAPE = (375, 1242)
+LINE = 1.5  # m right of the vehicle
+BORDER = 0.25  # m from the line; there its height ends
+CENTIMETRE = 0.01
 
 
-@pytest.mark.parametrize("other", [0.0, np.nan])
-def test_a_road_that_is_higher_on_one_side_alone_is_no_bulge(painted_road, evidence_of, other):
-    road = painted_road().line(CENTRE)
-    road.height[:, road.n > CENTRE] = other
-    road.height[:, road.n < CENTRE] = 0.02
-    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.045
-    assert evidence_of(road).height == pytest.approx(0.045)
+@pytest.fixture(scope="module")
+def measured(camera):
+    """Return a function: the heights that a pair shows along x = `n` [m] of ground that is so high."""
+    surface = RoadSurface.plane(camera, 1.65, 0.02)
+
+    def measured(
+        line=0.0, left=0.0, right=0.0, *, n=LINE, first=6.0, last=20.0, grain=25.0, gain=1.0, noise=1.0
+    ):
+        rng = np.random.default_rng(0)
+        seen = 110 + grain * cv2.GaussianBlur(rng.normal(0, 2, SHAPE), (0, 0), 1.2)
+        v, u = np.indices(SHAPE, dtype=float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, _ = surface.pixel_to_ground(u, v)
+        height = np.where(np.abs(x - n) < BORDER, line, np.where(x < n, left, right))
+        disparity = np.maximum(surface.disparity(u, v), 0) * 1.65 / (1.65 - height) + camera.disparity_offset
+        other = np.empty(SHAPE)
+        for row, (columns, grey) in enumerate(zip(u - disparity, seen, strict=True)):
+            order = np.argsort(columns, kind="stable")
+            other[row] = np.interp(np.arange(SHAPE[1]), columns[order], grey[order])
+        images = [
+            np.clip(image + rng.normal(0, noise, SHAPE), 0, 255).astype(np.uint8)
+            for image in (seen, 110 + gain * (other - 110))
+        ]
+        nothing = np.full(SHAPE, np.nan, np.float32)
+        view = birds_eye_view(images[0], nothing, surface, RoadAxis(), BirdsEyeConfig())
+        rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
+        followed = LaneLine(rows, view.s[rows], np.full(len(rows), n), bend=0.0, score=10.0)
+        return line_heights(followed, view, RoadPicture(*images, nothing, surface, surface))
+
+    return measured
 
 
-def test_a_railing_stands_above_the_road(painted_road, evidence_of):
-    road = painted_road().line(CENTRE)
-    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.11  # not enough to be masked
-    assert evidence_of(road).height > LIMITS.height_max
+@pytest.mark.parametrize(
+    "heights",
+    [
+        (0.0, 0.0, 0.0),
+        (0.015, 0.015, 0.015),  # the road bulges
+        (0.0, 0.0, 0.12),  # a gutter before a kerb
+        (0.08, 0.02, 0.13),  # the face of a kerb
+        (0.12, 0.12, 0.0),  # its edge
+        (-0.04, 0.0, -0.07),  # a ditch
+    ],
+)
+@pytest.mark.parametrize("n", [LINE, -3.4])
+def test_heights_are_measured_to_a_centimetre(measured, heights, n):
+    found = measured(*heights, n=n)
+    assert (found.line, found.left, found.right) == pytest.approx(heights, abs=CENTIMETRE)
 
 
-def test_without_disparity_neither_height_nor_step_is_known(painted_road, evidence_of):
-    road = painted_road().line(CENTRE)
-    road.height[:] = np.nan
-    found = evidence_of(road)
+@pytest.mark.parametrize("gain", [0.6, 1.6])
+def test_another_exposure_of_the_right_camera_changes_nothing(measured, gain):
+    found = measured(0.06, 0.0, 0.10, gain=gain)
+    assert (found.line, found.left, found.right) == pytest.approx((0.06, 0.0, 0.10), abs=CENTIMETRE)
+
+
+@pytest.mark.parametrize("height", [0.4, 0.8])
+def test_what_stands_on_the_road_has_no_height_that_a_line_could_have(measured, height):
+    found = measured(line=height)
+    assert np.isnan(found.line)
+    assert found.left == pytest.approx(0, abs=CENTIMETRE)
+
+
+def test_bare_ground_tells_nothing(measured):
+    assert np.isnan(list(vars(measured(grain=0.0)).values())).all()
+
+
+@pytest.mark.parametrize(("first", "last"), [(6.0, 8.0), (FAR - 2, 30.0), (FAR + 1, 30.0)])
+def test_too_little_of_a_line_tells_nothing(measured, first, last):
+    assert np.isnan(list(vars(measured(first=first, last=last)).values())).all()
+
+
+def test_ground_beyond_the_picture_is_not_known(measured):
+    found = measured(n=-7.8, last=14.0)  # leaves the picture 9 m ahead
+    assert np.isnan(found.left)
+
+
+def test_the_left_image_alone_tells_nothing(painted_road, evidence_of):
+    found = evidence_of(painted_road().line(1.025))
     assert np.isnan(found.height)
     assert found.step == 0
 
 
-@pytest.mark.parametrize(("cells", "known"), [(5, False), (6, True)])
-def test_a_few_cells_do_not_tell_a_height(painted_road, evidence_of, cells, known):
-    road = painted_road().line(CENTRE)
-    road.height[:] = np.nan
-    road.height[10 : 10 + cells, np.abs(road.n - CENTRE).argmin()] = 0.03
-    assert np.isfinite(evidence_of(road).height) == known
+@pytest.mark.parametrize(
+    ("n", "ground", "expected"),
+    [
+        (1.7, (0.01, 0.13), (0.02, 0.10)),  # a kerb on the right: the vehicle is on the left
+        (-1.7, (0.01, 0.13), (-0.10, -0.02)),
+        (1.7, (np.nan, 0.02), (0.01, -0.01)),  # the ground on the vehicle's side is not known
+        (1.7, (0.02, np.nan), (0.01, 0.0)),
+        (1.7, (np.nan, np.nan), (0.03, 0.0)),  # above the road's surface
+    ],
+)
+def test_height_is_above_the_ground_before_the_line_and_the_step_is_behind_it(
+    painted_road, evidence_of, monkeypatch, n, ground, expected
+):
+    monkeypatch.setattr(lane_evidence, "line_heights", lambda *_: LineHeights(0.03, *ground))
+    found = evidence_of(painted_road().line(n), course=n)
+    assert (found.height, found.step) == pytest.approx(expected)
 
 
-@pytest.mark.parametrize(("factor", "known"), [(0.9, True), (1.1, False)])
-def test_heights_that_scatter_are_not_known(painted_road, evidence_of, factor, known):
-    """A fence before a far background: half of the cells lie on it, half far below."""
-    road = painted_road().line(CENTRE)
-    road.height[::2] = factor * lane_evidence.HEIGHT_SPREAD
-    assert np.isfinite(evidence_of(road).height) == known
-
-
-def test_a_few_wrong_heights_change_nothing(painted_road, evidence_of):
-    road = painted_road().line(CENTRE)
-    road.height[:, np.abs(road.n - CENTRE) < 0.2] = 0.02
-    road.height[::5] = -3.0
-    assert evidence_of(road).height == pytest.approx(0.02)
-
-
-def test_heights_far_off_are_not_looked_at(painted_road, evidence_of):
-    """There a pixel of disparity is decimetres."""
-    road = painted_road()
-    road.s = road.s + 10  # 14 m to 34 m
-    road.line(CENTRE)
-    road.height[road.s > lane_evidence.HEIGHT_DEPTH] = 5.0
-    assert evidence_of(road).height == 0
-    road.height[road.s < lane_evidence.HEIGHT_DEPTH] = np.nan
-    assert np.isnan(evidence_of(road).height)
-
-
-@pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("height", [0.04, 0.15])
-def test_a_step_is_how_much_higher_the_ground_beside_the_line_is(painted_road, evidence_of, side, height):
-    """The kerb beside a gutter; a ditch on the other side does not hide it."""
-    road = painted_road().line(CENTRE)
-    aside = side * (road.n - CENTRE)
-    road.height[:] = -0.01
-    road.height[:, aside > 0.3] = height - 0.01
-    road.height[:, aside < -0.3] = -0.11
-    assert evidence_of(road).step == pytest.approx(height)
-
-
-def test_where_one_side_is_not_matched_the_other_one_tells_the_step(painted_road, evidence_of):
-    road = painted_road().line(CENTRE)
-    road.height[:, road.n < CENTRE - 0.3] = np.nan
-    assert evidence_of(road).step == 0
-    road.height[:, road.n > CENTRE + 0.3] = 0.12
-    assert evidence_of(road).step == pytest.approx(0.12)
-
-
-def test_a_ditch_is_no_step(painted_road, evidence_of):
-    road = painted_road().line(CENTRE)
-    road.height[:, np.abs(road.n - CENTRE) > 0.3] = -0.2
-    assert evidence_of(road).step == pytest.approx(-0.2)
+def test_heights_reach_from_ditches_to_kerbs():
+    assert HEIGHTS[0] <= -0.1 < 0.2 <= HEIGHTS[-1]
