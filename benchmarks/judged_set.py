@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core import lane_detector, lane_search
 from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.data import RoadPicture
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.parameter import Parameters
@@ -251,6 +252,8 @@ def _identity(value: Any) -> Any:
         return str(value.bit_generator.state)
     if isinstance(value, (list, tuple)):
         return tuple(_identity(each) for each in value)
+    if isinstance(value, RoadPicture):  # put together anew each time
+        return tuple(_identity(each) for each in vars(value).values())
     if isinstance(value, (Parameters, StereoCamera, RoadAxis, bool, int, float, str, type(None))):
         return value
     return "id", id(value)
