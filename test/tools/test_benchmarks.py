@@ -109,24 +109,25 @@ def test_what_is_remembered_does_not_hide_a_constant(pairs):
     assert counts == [3, 0]
 
 
-def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
+@pytest.mark.parametrize("stage", ["lane_detector.dense_disparity", "lane_search.line_evidence"])
+def test_what_a_change_does_not_touch_is_not_computed_again(pairs, stage):
     memory = judged_set.Memory()
     calls = []
-    real = judged_set.lane_detector.dense_disparity
+    module, _, name = stage.partition(".")
+    real = getattr(getattr(judged_set, module), name)
 
-    def dense_disparity(*arguments):
+    def counted(*arguments):
         calls.append(arguments)
         return real(*arguments)
 
-    dense_disparity.__module__ = real.__module__
-    with patch("lane_dp_ros.core.lane_detector.dense_disparity", dense_disparity):
-        for value in (1.0, 2.0):
+    counted.__module__ = real.__module__
+    counts = []
+    with patch(f"lane_dp_ros.core.{stage}", counted):
+        for values in ({}, {"lane_selection.score_min": 2.0}, {"disparity.P1": 500}):
             with memory.in_use():
-                pairs[0].detected(replaced(DetectorConfig(), {"lane_selection.score_min": value}))
-        assert len(calls) == 1
-        with memory.in_use():
-            pairs[0].detected(replaced(DetectorConfig(), {"disparity.P1": 500}))
-        assert len(calls) == 2
+                pairs[0].detected(replaced(DetectorConfig(), values))
+            counts.append(len(calls))
+    assert 0 < counts[0] == counts[1] < counts[2]
 
 
 def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
