@@ -58,18 +58,13 @@ def graph_of_left(view: BirdsEyeView, config: LaneGraphConfig, *_: object) -> La
     return build_graph(view, config)
 
 
-def unextended(line: LaneLine, *_: object) -> LaneLine:
-    """Take a line as far as its path goes."""
+def as_it_is(line: LaneLine, *_: object) -> LaneLine:
+    """Take a line as it is."""
     return line
 
 
 def nothing(*_: object) -> None:
     """Look along no other axis."""
-
-
-def whole(line: LaneLine, *_: object) -> list[LaneLine]:
-    """Do not end a line at a stop line."""
-    return [line]
 
 
 def no_heights(*_: object) -> LineHeights:
@@ -123,8 +118,8 @@ ABLATIONS = (
     Ablation("suppression of +-1 m", {"path_search.suppression": 1.0}),
     Ablation("the paper's parabola by RANSAC", {"lane_model.model": "parabola"}),
     Ablation("robust parabola instead of cubic", patches={f"{CORE}.lane_model.CUBIC_LENGTH": ANY}),
-    Ablation("dashes not followed over gaps", patches={f"{CORE}.lane_search.extend_line": unextended}),
-    Ablation("lines not ended at stop lines", patches={f"{CORE}.lane_search.end_at_stop_lines": whole}),
+    Ablation("dashes not followed over gaps", patches={f"{CORE}.lane_search.extend_line": as_it_is}),
+    Ablation("lines not ended at stop lines", patches={f"{CORE}.lane_search.end_at_stop_line": as_it_is}),
     Ablation("no heights along lines", patches={f"{CORE}.lane_evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
     Ablation("no test of the least width", {"lane_selection.paint_width_min": 0.0}),

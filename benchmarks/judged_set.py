@@ -196,9 +196,10 @@ def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameRes
 class Memory:
     """What the stages of the detector returned for one pair, by the very objects that they were called with.
 
-    Configurations and plain values are told apart by what they are, all else by identity; with names of other
-    modules replaced all is computed anew. That holds as long as the stages are functions of their arguments,
-    generators of random numbers among them: these are left as the function left them.
+    Configurations and plain values are told apart by what they are, pictures of the road by their parts, all
+    else by identity; with names of other modules replaced all is computed anew. That holds as long as the
+    stages are functions of their arguments, generators of random numbers among them: these are left as the
+    function left them.
     """
 
     def __init__(self) -> None:

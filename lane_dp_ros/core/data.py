@@ -201,7 +201,10 @@ class LaneEvidence:
     breadth: float
     """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
     height: float
-    """Height [m] of the paint above the ground on the vehicle's side of it, NaN where it is not known."""
+    """Height [m] of the paint above the ground on the vehicle's side of it, NaN where it is not known.
+
+    Where that ground is not known, above the one on the other side, else above the road's surface.
+    """
     step: float
     """How much higher [m] the ground on the other side is: a kerb's; 0 where it is not known."""
     slope: float

@@ -20,7 +20,7 @@ from lane_dp_ros.core.line_extension import extend_line
 from lane_dp_ros.core.parallel_lines import parallel_lines
 from lane_dp_ros.core.path_search import find_paths
 from lane_dp_ros.core.road import RoadAxis
-from lane_dp_ros.core.stop_lines import end_at_stop_lines
+from lane_dp_ros.core.stop_lines import end_at_stop_line
 from lane_dp_ros.core.stopwatch import Stopwatch
 
 Judged = tuple[LaneLine, LaneEvidence]
@@ -60,7 +60,7 @@ def search_lanes(
         if config.path_search.free_ends:
             blank_cost = config.path_search.blank_cost
             lines = [extend_line(line, view, graph, blank_cost) for line in lines]
-            lines = [piece for line in lines for piece in end_at_stop_lines(line, view, graph, blank_cost)]
+            lines = [end_at_stop_line(line, view, graph, blank_cost) for line in lines]
     with watch("lane_selection"):
         candidates = tuple((line, line_evidence(line, view, graph, picture)) for line in lines)
         chosen = config.lane_selection.evidence

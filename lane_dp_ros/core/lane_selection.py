@@ -72,8 +72,7 @@ def select_lanes(
     """
     chosen = list(kept)
     for i in sorted(set(range(len(lines))) - set(kept), key=lambda i: -lines[i].score):
-        beside = [k for k in chosen if _side_by_side(lines[i], lines[k])]
-        gaps = [lateral_gap(lines[i], lines[k]) for k in beside]
+        gaps = [lateral_gap(lines[i], lines[k]) for k in chosen]
         inside_lane = any(BESIDE < gap < config.lane_width_min for gap in gaps)
         if lines[i].score < config.score_min or (inside_lane and not _is_strong(lines[i], evidence[i])):
             continue
@@ -101,11 +100,6 @@ def _stands(
         return True
     gaps = (lateral_gap(lines[i], lines[k]) for k in chosen if k != i)
     return any(config.lane_width_min <= gap <= config.lane_width_max for gap in gaps)
-
-
-def _side_by_side(a: LaneLine, b: LaneLine) -> bool:
-    """Return whether two lines share a part of the road's length; else one lies behind the other."""
-    return bool(max(a.s[0], b.s[0]) < min(a.s[-1], b.s[-1]))
 
 
 def lateral_gap(a: LaneLine, b: LaneLine) -> float:

@@ -22,7 +22,8 @@ Floats = NDArray[Any]
 
 STEP = 0.02  # m between the surfaces
 HEIGHTS = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
-FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity
+FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity; lines that begin there show the more
+AT_LEAST = 6.0  # m
 ALONG, ACROSS = 0.25, 0.025  # m between the samples
 LINE = 0.2  # m to each side of the line: the paint with its borders
 GROUND = (0.3, 1.2)  # m aside; the ground beside it
@@ -30,11 +31,15 @@ ROWS_MIN = 10
 GAIN = 0.5, 2.0  # of the left camera over the right one
 OUTLIER = 20.0  # grey levels; more difference counts no more
 DISTINCT = 0.3  # of the least difference; less than that below the median of all of them is chance
+NOISE = 0.5  # grey levels; less difference is none
 
 
 @dataclass(frozen=True)
 class LineHeights:
-    """Heights [m] above the road's surface: of a line, and of the ground to both sides; NaN if unknown."""
+    """Heights [m] above the road's surface: of a line, and of the ground to both sides; NaN if unknown.
+
+    What stands as high as the last of `HEIGHTS`, or a little higher, has that height.
+    """
 
     line: float = np.nan
     left: float = np.nan
@@ -43,7 +48,7 @@ class LineHeights:
 
 def line_heights(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -> LineHeights:
     """Return the heights along a line in the view of a picture; unknown where it is short, or mono."""
-    s = np.arange(line.s[0], min(line.s[-1], FAR), ALONG)
+    s = np.arange(line.s[0], min(line.s[-1], max(FAR, line.s[0] + AT_LEAST)), ALONG)
     if picture.right is None or len(s) < ROWS_MIN:
         return LineHeights()
     aside = np.arange(-GROUND[1], GROUND[1] + ACROSS / 2, ACROSS)
@@ -51,7 +56,8 @@ def line_heights(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -> Li
     u, v = (np.asarray(each, dtype=np.float32) for each in view.ground.ground_to_pixel(x, z))
     u_right = _right_columns(u, v, view)
     rows, columns = picture.left.shape
-    seen = (u >= 0) & (u <= columns - 1) & (v >= 0) & (v <= rows - 1) & (u_right.min(axis=0) >= 0)
+    seen = (u >= 0) & (u <= columns - 1) & (v >= 0) & (v <= rows - 1)
+    seen &= (u_right.min(axis=0) >= 0) & (u_right.max(axis=0) <= columns - 1)
     left, right = _sampled(picture.left, u[None], v), _sampled(picture.right, u_right, v)
 
     def height(among: NDArray[np.bool_]) -> float:
@@ -90,7 +96,9 @@ def _best(left: Floats, right: Floats) -> float:
     gain = np.clip((right * left).sum(axis=(1, 2)) / power, *GAIN)
     difference = np.minimum(np.abs(left - gain[:, None, None] * right), OUTLIER).mean(axis=(1, 2))
     i = int(difference.argmin())
-    if i in (0, len(HEIGHTS) - 1) or np.median(difference) < (1 + DISTINCT) * difference[i]:
+    if i == 0 or np.median(difference) < (1 + DISTINCT) * max(difference[i], NOISE):
         return float(np.nan)
+    if i == len(HEIGHTS) - 1:
+        return float(HEIGHTS[-1])
     before, least, after = difference[i - 1 : i + 2]
     return float(HEIGHTS[i] + 0.5 * STEP * (before - after) / (before - 2 * least + after))

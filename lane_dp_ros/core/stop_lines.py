@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lines end at a stop line: what is painted beyond the junction is another line."""
+"""Lines end at a stop line: what is painted beyond the junction are other lines."""
 
 from __future__ import annotations
 
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine
+from lane_dp_ros.core.lane_model import MIN_ROWS
 from lane_dp_ros.core.line_extension import DASH_MIN, PAINTED
 from lane_dp_ros.core.runs import runs_of
 
@@ -18,14 +19,13 @@ ASIDE = (0.4, 1.4)  # m to one side of the line; a stop line goes on there
 BARE = 0.75  # m; so far before and behind the middle of a stop line the road is bare
 BRIGHT = 0.5  # of what the line itself is brighter than the road
 END = 1.0  # m; no farther from the middle of the stop line the paint ends
+LEVEL = 0.5  # share of its cells; more do not stand above the road
 
 
-def end_at_stop_lines(
-    line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank_cost: float
-) -> list[LaneLine]:
-    """Return the pieces of a line before and behind junctions that begin at a stop line, else the line.
+def end_at_stop_line(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank_cost: float) -> LaneLine:
+    """Return the line as far as the stop line of the first junction that it crosses, if it crosses one.
 
-    A piece scores its metres of paint, less `blank_cost` a metre.
+    What is left of it scores its metres of paint, less `blank_cost` a metre.
     """
     per_row, per_column = view.resolution
     painted = view.paint_centres(graph, line.rows, (line.n - view.n[0]) / per_column)[1] > PAINTED
@@ -33,34 +33,28 @@ def end_at_stop_lines(
     dashes = dashes[np.diff(dashes)[:, 0] * per_row >= DASH_MIN]
     gaps = [(end, start) for (_, end), (start, _) in pairwise(dashes) if (start - end) * per_row >= JUNCTION]
     if not gaps:
-        return [line]
+        return line
     bars = _bars(line, painted, view)
-    ended = [gap for gap in gaps if bars[gap[0] - 1 : gap[0] + round(END / per_row)].any()]
-    edges = [0, *chain.from_iterable(ended), len(painted)]
-    pieces = [slice(*edges[i : i + 2]) for i in range(0, len(edges), 2)] if ended else []
-    return [_piece(line, rows, painted, per_row, blank_cost) for rows in pieces] or [line]
-
-
-def _piece(
-    line: LaneLine, rows: slice, painted: NDArray[np.bool_], per_row: float, blank_cost: float
-) -> LaneLine:
-    """Return some rows of a line; they score their metres of paint, less what being blank costs."""
-    score = float((painted[rows] - blank_cost).sum() * per_row)
-    return LaneLine(line.rows[rows], line.s[rows], line.n[rows], line.bend, score)
+    for end, _ in gaps:
+        if end >= MIN_ROWS and bars[end - 1 : end + round(END / per_row)].any():
+            score = float((painted[:end] - blank_cost).sum() * per_row)
+            return LaneLine(line.rows[:end], line.s[:end], line.n[:end], line.bend, score)
+    return line
 
 
 def _bars(line: LaneLine, painted: NDArray[np.bool_], view: BirdsEyeView) -> NDArray[np.bool_]:
-    """Return the rows (N,) of a line where a bar runs across the road on one side of it."""
+    """Return the rows (N,) of a line beside which a bar as bright as the line runs across the road."""
     per_row, per_column = view.resolution
     centre = np.rint((line.n - view.n[0]) / per_column).astype(int)
-    grey = view.image[line.rows, np.clip(centre, 0, len(view.n) - 1)].astype(np.float32)
+    first, last = (round(d / per_column) for d in ASIDE)
+    sides = np.array([-1, 1])[:, None, None] * np.arange(first, last + 1)
+    columns = np.clip(centre[:, None] + sides, 0, len(view.n) - 1)
+    rows = line.rows[:, None]
+    beside = view.image[rows, columns].mean(axis=2)
+    grey = view.image[line.rows, np.clip(centre, 0, len(view.n) - 1)]
+    own = np.median((grey - beside)[:, painted], axis=1).max()
     bare = round(BARE / per_row)
-    bars = np.zeros(len(line.rows), bool)
-    for side in (-1, 1):
-        first, last = (round(d / per_column) for d in ASIDE)
-        columns = np.clip(centre[:, None] + side * np.arange(first, last + 1), 0, len(view.n) - 1)
-        beside = view.image[line.rows[:, None], columns].mean(axis=1)
-        around = np.pad(beside, bare, constant_values=np.inf)
-        rise = beside - np.maximum(around[: len(beside)], around[2 * bare :])
-        bars |= rise > BRIGHT * np.median((grey - beside)[painted])
-    return bars
+    around = np.pad(beside, [(0, 0), (bare, bare)], constant_values=np.inf)
+    rise = beside - np.maximum(around[:, : beside.shape[1]], around[:, 2 * bare :])
+    bars = (rise > BRIGHT * max(own, 0.0)) & (view.on_road[rows, columns].mean(axis=2) > LEVEL)
+    return np.asarray(bars.any(axis=0) & (own > 0))
