@@ -177,14 +177,6 @@ def test_more_paint_that_a_line_by_itself_is_to_have_holds_for_unknown_heights_t
     assert select_lanes(weak, [replace(GOOD, height=np.nan)], config) == []
 
 
-def test_lines_behind_one_another_are_two_lines():
-    """Such as before and behind a junction; even a little aside none lies within the other's lane."""
-    near, far = line(1.75), line(1.75)
-    far = replace(far, s=far.s + near.length)
-    assert selected(near, far) == [0, 1]
-    assert selected(near, replace(far, s=far.s - 1.0)) == [0]  # one line found twice
-
-
 @pytest.mark.parametrize(
     ("width", "both"),
     [

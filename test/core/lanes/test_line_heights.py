@@ -27,23 +27,34 @@ def measured(camera):
     surface = RoadSurface.plane(camera, 1.65, 0.02)
 
     def measured(
-        line=0.0, left=0.0, right=0.0, *, n=LINE, first=6.0, last=20.0, grain=25.0, gain=1.0, noise=1.0
+        line=0.0,
+        left=0.0,
+        right=0.0,
+        *,
+        n=LINE,
+        first=6.0,
+        last=20.0,
+        grain=25.0,
+        gain=1.0,
+        grey=110,
+        salt=0.0,
     ):
         rng = np.random.default_rng(0)
-        seen = 110 + grain * cv2.GaussianBlur(rng.normal(0, 2, SHAPE), (0, 0), 1.2)
+        seen = grey + grain * cv2.GaussianBlur(rng.normal(0, 2, SHAPE), (0, 0), 1.2)
         v, u = np.indices(SHAPE, dtype=float)
         with np.errstate(divide="ignore", invalid="ignore"):
             x, _ = surface.pixel_to_ground(u, v)
         height = np.where(np.abs(x - n) < BORDER, line, np.where(x < n, left, right))
         disparity = np.maximum(surface.disparity(u, v), 0) * 1.65 / (1.65 - height) + camera.disparity_offset
         other = np.empty(SHAPE)
-        for row, (columns, grey) in enumerate(zip(u - disparity, seen, strict=True)):
+        for row, (columns, values) in enumerate(zip(u - disparity, seen, strict=True)):
             order = np.argsort(columns, kind="stable")
-            other[row] = np.interp(np.arange(SHAPE[1]), columns[order], grey[order])
+            other[row] = np.interp(np.arange(SHAPE[1]), columns[order], values[order])
         images = [
-            np.clip(image + rng.normal(0, noise, SHAPE), 0, 255).astype(np.uint8)
+            np.clip(image + rng.normal(0, 1, SHAPE), 0, 255).astype(np.uint8)
             for image in (seen, 110 + gain * (other - 110))
         ]
+        images[1][rng.random(SHAPE) < salt] = 255
         nothing = np.full(SHAPE, np.nan, np.float32)
         view = birds_eye_view(images[0], nothing, surface, RoadAxis(), BirdsEyeConfig())
         rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
@@ -76,6 +87,16 @@ def test_another_exposure_of_the_right_camera_changes_nothing(measured, gain):
     assert (found.line, found.left, found.right) == pytest.approx((0.06, 0.0, 0.10), abs=CENTIMETRE)
 
 
+def test_dead_pixels_change_nothing(measured):
+    found = measured(0.06, 0.0, 0.10, salt=0.002)
+    assert (found.line, found.left, found.right) == pytest.approx((0.06, 0.0, 0.10), abs=CENTIMETRE)
+
+
+@pytest.mark.parametrize("height", [0.22, 0.23])
+def test_a_rail_as_high_as_the_last_height_is_not_unknown(measured, height):
+    assert measured(line=height).line > 0.2
+
+
 @pytest.mark.parametrize("height", [0.4, 0.8])
 def test_what_stands_on_the_road_has_no_height_that_a_line_could_have(measured, height):
     found = measured(line=height)
@@ -83,13 +104,19 @@ def test_what_stands_on_the_road_has_no_height_that_a_line_could_have(measured, 
     assert found.left == pytest.approx(0, abs=CENTIMETRE)
 
 
-def test_bare_ground_tells_nothing(measured):
-    assert np.isnan(list(vars(measured(grain=0.0)).values())).all()
+@pytest.mark.parametrize("ground", [{"grain": 0.0}, {"grey": 330, "grain": 12.0}], ids=["bare", "burnt out"])
+def test_ground_that_shows_nothing_tells_nothing(measured, ground):
+    assert np.isnan(list(vars(measured(**ground)).values())).all()
 
 
-@pytest.mark.parametrize(("first", "last"), [(6.0, 8.0), (FAR - 2, 30.0), (FAR + 1, 30.0)])
+@pytest.mark.parametrize(("first", "last"), [(6.0, 8.0), (28.0, 30.0)])
 def test_too_little_of_a_line_tells_nothing(measured, first, last):
     assert np.isnan(list(vars(measured(first=first, last=last)).values())).all()
+
+
+def test_of_a_line_that_begins_far_off_its_first_metres_are_looked_at(measured):
+    found = measured(0.12, 0.0, 0.0, first=FAR, last=30.0)
+    assert found.line == pytest.approx(0.12, abs=0.03)
 
 
 def test_ground_beyond_the_picture_is_not_known(measured):
