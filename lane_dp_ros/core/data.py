@@ -206,7 +206,7 @@ class LaneEvidence:
     Where that ground is not known, above the one on the other side, else above the road's surface.
     """
     step: float
-    """How much higher [m] the ground on the other side is: a kerb's; 0 where it is not known."""
+    """How much higher or lower [m] the ground on the other side is: a kerb's; 0 where it is not known."""
     slope: float
     """Steepest lateral over forward, against the road's axis."""
     roughness: float

@@ -150,8 +150,8 @@ def _height_and_step(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -
     if np.median(line.n) < 0:
         towards, away = away, towards
     ground = next((height for height in (towards, away) if np.isfinite(height)), 0.0)
-    step = away - heights.line
-    return heights.line - ground, step if np.isfinite(step) else 0.0
+    step = abs(away - heights.line)
+    return heights.line - ground, float(step) if np.isfinite(step) else 0.0
 
 
 def _roughness(

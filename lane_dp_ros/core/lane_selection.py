@@ -17,7 +17,7 @@ SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvat
 
 # What a kerb, a gutter, a rail or a verge has and paint lacks: little contrast, and one of the others.
 KERB_CONTRAST, KERB_HEADROOM = 0.40, 0.35  # paint has more of one of them
-KERB_STEP = 0.12  # m that the ground beside it is higher
+KERB_STEP = 0.12  # m that the ground behind it is higher, or lower
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
 RAIL_WIDTH, KERB_WIDTH = 0.11, 0.3  # m; paint is neither narrower nor broader
 KERB_HEIGHT = 0.03  # m

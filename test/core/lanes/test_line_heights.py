@@ -134,8 +134,9 @@ def test_the_left_image_alone_tells_nothing(painted_road, evidence_of):
     ("n", "ground", "expected"),
     [
         (1.7, (0.01, 0.13), (0.02, 0.10)),  # a kerb on the right: the vehicle is on the left
-        (-1.7, (0.01, 0.13), (-0.10, -0.02)),
-        (1.7, (np.nan, 0.02), (0.01, -0.01)),  # the ground on the vehicle's side is not known
+        (-1.7, (0.01, 0.13), (-0.10, 0.02)),  # on the left, and the vehicle is on the right
+        (-1.7, (-0.10, 0.05), (-0.02, 0.13)),  # the other border of a traffic island
+        (1.7, (np.nan, 0.02), (0.01, 0.01)),  # the ground on the vehicle's side is not known
         (1.7, (0.02, np.nan), (0.01, 0.0)),
         (1.7, (np.nan, np.nan), (0.03, 0.0)),  # above the road's surface
     ],
