@@ -57,7 +57,7 @@ TRIED: dict[str, tuple[Value, ...]] = {
     "lane_selection.paint_width_min": (0.05, 0.2),
     "lane_selection.paint_width_max": (0.2, 0.5),
     "lane_selection.height_max": (0.025, 0.1),
-    "lane_selection.slope_max": (0.05, 0.2),
+    "lane_selection.slope_max": (0.06, 0.24),
     "lane_selection.roughness_max": (0.1, 0.4),
     "lane_selection.contrast_min": (0.05, 0.2),
     "lane_selection.start_max": (11.0, 34.0),

@@ -174,7 +174,9 @@ class LaneSelectionConfig(Parameters):
     height_max: float = parameter(
         0.05, "Greatest height above the ground beside it; more is a kerb.", unit="m", limits=(0.0, 1.0)
     )
-    slope_max: float = parameter(0.1, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0))
+    slope_max: float = parameter(
+        0.11, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
+    )
     roughness_max: float = parameter(
         0.2, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
     )
