@@ -22,12 +22,11 @@ Floats = NDArray[Any]
 
 STEP = 0.02  # m between the surfaces
 HEIGHTS = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
-FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity; lines that begin there show the more
-AT_LEAST = 6.0  # m
+FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity
 ALONG, ACROSS = 0.25, 0.025  # m between the samples
 LINE = 0.2  # m to each side of the line: the paint with its borders
 GROUND = (0.3, 1.2)  # m aside; the ground beside it
-ROWS_MIN = 10
+MIN_ROWS = 10
 GAIN = 0.5, 2.0  # of the left camera over the right one
 OUTLIER = 20.0  # grey levels; more difference counts no more
 DISTINCT = 0.3  # of the least difference; less than that below the median of all of them is chance
@@ -48,8 +47,8 @@ class LineHeights:
 
 def line_heights(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -> LineHeights:
     """Return the heights along a line in the view of a picture; unknown where it is short, or mono."""
-    s = np.arange(line.s[0], min(line.s[-1], max(FAR, line.s[0] + AT_LEAST)), ALONG)
-    if picture.right is None or len(s) < ROWS_MIN:
+    s = np.arange(line.s[0], min(line.s[-1], FAR), ALONG)
+    if picture.right is None or len(s) < MIN_ROWS:
         return LineHeights()
     aside = np.arange(-GROUND[1], GROUND[1] + ACROSS / 2, ACROSS)
     x, z = view.axis.to_ground(s[:, None], np.interp(s, line.s, line.n)[:, None] + aside)
@@ -60,16 +59,9 @@ def line_heights(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -> Li
     seen &= (u_right.min(axis=0) >= 0) & (u_right.max(axis=0) <= columns - 1)
     left, right = _sampled(picture.left, u[None], v), _sampled(picture.right, u_right, v)
 
-    def height(among: NDArray[np.bool_]) -> float:
-        whole = seen[:, among].all(axis=1)
-        if np.count_nonzero(whole) < ROWS_MIN:
-            return float(np.nan)
-        return _best(left[0][whole][:, among], right[:, whole][:, :, among])
-
     nearest = GROUND[0] - ACROSS / 2
-    return LineHeights(
-        height(np.abs(aside) < LINE + ACROSS / 2), height(aside < -nearest), height(aside > nearest)
-    )
+    parts = np.abs(aside) < LINE + ACROSS / 2, aside < -nearest, aside > nearest
+    return LineHeights(*(_height(left[0][:, part], right[:, :, part], seen[:, part]) for part in parts))
 
 
 def _right_columns(u: Floats, v: Floats, view: BirdsEyeView) -> Floats:
@@ -88,8 +80,15 @@ def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> Floats:
     return sampled.reshape(u.shape).astype(np.float32)
 
 
-def _best(left: Floats, right: Floats) -> float:
-    """Return the height at which right (heights, rows, columns) fits left (rows, columns) best, or NaN."""
+def _height(left: Floats, right: Floats, seen: NDArray[np.bool_]) -> float:
+    """Return the height [m] at which right (heights, rows, columns) fits left (rows, columns) best, or NaN.
+
+    Rows count that are `seen` from end to end.
+    """
+    whole = seen.all(axis=1)
+    if np.count_nonzero(whole) < MIN_ROWS:
+        return float(np.nan)
+    left, right = left[whole], right[:, whole]
     left = left - left.mean(axis=1, keepdims=True)
     right = right - right.mean(axis=2, keepdims=True)
     power = np.maximum((right**2).sum(axis=(1, 2)), 1.0)
