@@ -56,5 +56,5 @@ def _bars(line: LaneLine, painted: NDArray[np.bool_], view: BirdsEyeView) -> NDA
     bare = round(BARE / per_row)
     around = np.pad(beside, [(0, 0), (bare, bare)], constant_values=np.inf)
     rise = beside - np.maximum(around[:, : beside.shape[1]], around[:, 2 * bare :])
-    bars = (rise > BRIGHT * max(own, 0.0)) & (view.on_road[rows, columns].mean(axis=2) > LEVEL)
-    return np.asarray(bars.any(axis=0) & (own > 0))
+    bars = (own > 0) & (rise > BRIGHT * own) & (view.on_road[rows, columns].mean(axis=2) > LEVEL)
+    return np.asarray(bars.any(axis=0))
