@@ -47,8 +47,7 @@ def test_contrast_is_in_units_of_the_sensors_noise_on_smooth_ground(painted_road
 
 def test_the_feature_rises_between_two_contrasts(painted_road):
     view, graph = painted_road().line(CENTRE, brightness=6).bands()  # contrast 6 / 3 = 2
-    least, most = LaneGraphConfig().contrast_min, LaneGraphConfig().contrast_max
-    expected = (2 - least) / (most - least)
+    expected = (2 - 0.35) / (2.8 - 0.35)  # the defaults of contrast_min and contrast_max
     assert graph.feature[ROW, column(view, CENTRE)] == pytest.approx(expected)
     np.testing.assert_allclose(graph.cost, 1 - graph.feature)
 

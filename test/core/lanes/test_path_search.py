@@ -147,9 +147,7 @@ def test_a_free_path_starts_and_ends_with_the_paint():
     assert_near_to_far(paths)
     assert (paths[0].rows[0], paths[0].rows[-1]) == (31, 10)
     assert np.all(paths[0].columns == 30)
-    assert paths[0].score == pytest.approx(
-        11 * (1 - FREE.blank_cost)
-    )  # 22 rows of 0.5 m, each less the blank cost
+    assert paths[0].score == pytest.approx(11 * (1 - 0.14))  # 22 rows of 0.5 m, each less the blank cost
 
 
 def test_a_free_path_bridges_the_gaps_of_a_dashed_line():
@@ -158,7 +156,7 @@ def test_a_free_path_bridges_the_gaps_of_a_dashed_line():
     paths = find_paths(graph_of(drawn(line)), METRES, FREE)
     assert len(paths) == 1
     assert (paths[0].rows[0], paths[0].rows[-1]) == (39, 0)
-    assert paths[0].score == pytest.approx(14 - 20 * FREE.blank_cost)
+    assert paths[0].score == pytest.approx(14 * 0.86 - 6 * 0.14)
 
 
 def test_a_gap_too_long_to_pay_is_not_bridged():
@@ -173,7 +171,7 @@ def test_unseen_rows_cost_a_free_path_nothing():
     seen = np.ones((40, 60), bool)
     seen[10:30] = False
     paths = find_paths(graph_of(drawn(line), seen), METRES, FREE)
-    assert paths[0].score == pytest.approx(10 * (1 - FREE.blank_cost))
+    assert paths[0].score == pytest.approx(10 * 0.86)
 
 
 def test_a_free_path_follows_a_slanted_line():
@@ -184,7 +182,7 @@ def test_a_free_path_follows_a_slanted_line():
     assert np.abs(error).max() <= 0.5
     assert np.abs(error.mean()) < 0.1
     steepness = 4.0 * 0.1**2 * 20  # SLOPE_COST times slope^2 over 20 m
-    assert paths[0].score == pytest.approx(20 * (1 - FREE.blank_cost) - steepness, abs=0.1)
+    assert paths[0].score == pytest.approx(20 * 0.86 - steepness, abs=0.1)
 
 
 def test_lines_close_together_are_found_pass_by_pass():
