@@ -122,7 +122,6 @@ ABLATIONS = (
     Ablation("lines not ended at stop lines", patches={f"{CORE}.lane_search.end_at_stop_line": as_it_is}),
     Ablation("no heights along lines", patches={f"{CORE}.lane_evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
-    Ablation("no test of the least width", {"lane_selection.paint_width_min": 0.0}),
     Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),
     Ablation("no breadth test", patches={f"{SELECTION}.BREADTH_MAX": ANY}),
     Ablation("no contrast test", {"lane_selection.contrast_min": -1.0}),

@@ -35,7 +35,6 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.KERB_HEIGHT": (0.02, 0.04, 0.06),  # m
     "lane_selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),
     "lane_selection.UNBROKEN": (4.0, 6.0, 8.0),  # m
-    "lane_selection.paint_width_min": (0.06, 0.09, 0.12),  # m
     "lane_selection.paint_width_max": (0.26, 0.32, 0.38),  # m
     "lane_selection.BREADTH_MAX": (0.7, 0.85, 1.0, 1.15, 1.3),
     "lane_selection.roughness_max": (0.10, 0.15, 0.20, 0.25, 0.30),

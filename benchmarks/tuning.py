@@ -54,7 +54,6 @@ TRIED: dict[str, tuple[Value, ...]] = {
     "path_search.suppression": (0.15, 0.6),
     "path_search.min_score": (0.75, 3.0),
     "path_search.blank_cost": (0.075, 0.3),
-    "lane_selection.paint_width_min": (0.05, 0.2),
     "lane_selection.paint_width_max": (0.2, 0.5),
     "lane_selection.height_max": (0.025, 0.1),
     "lane_selection.slope_max": (0.06, 0.24),

@@ -169,7 +169,6 @@ class LaneSelectionConfig(Parameters):
     """What makes a line a lane."""
 
     evidence: bool = parameter(True, "Judge lines by their evidence; else every line of the model is a lane.")
-    paint_width_min: float = parameter(0.09, "Narrower bands are rails, seams.", unit="m", limits=(0.0, 0.3))
     paint_width_max: float = parameter(0.36, "Broader bands are no lane lines.", unit="m", limits=(0.1, 1.0))
     height_max: float = parameter(
         0.05, "Greatest height above the ground beside it; more is a kerb.", unit="m", limits=(0.0, 1.0)

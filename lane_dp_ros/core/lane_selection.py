@@ -33,7 +33,7 @@ UNKNOWN_HEIGHT = 6.0  # m of paint of a line by itself whose height is not known
 def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig, bend: float) -> bool:
     """Return whether a line has the evidence of paint, by itself. `bend` [1/m] is the road's curvature."""
     return (
-        config.paint_width_min <= evidence.paint_width <= config.paint_width_max
+        evidence.paint_width <= config.paint_width_max
         and evidence.breadth <= BREADTH_MAX
         and (evidence.contrast >= config.contrast_min or evidence.headroom >= HEADROOM_MIN)
         and not evidence.height > config.height_max  # nor is NaN, an unknown height

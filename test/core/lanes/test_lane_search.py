@@ -122,7 +122,7 @@ def test_without_evidence_every_line_of_the_model_is_a_lane(search):
 
 
 def test_what_has_no_evidence_of_paint_is_a_candidate_only(search):
-    found = search(lane_selection__paint_width_min=0.3)
+    found = search(lane_selection__paint_width_max=0.1)
     assert found.lanes == ()
     assert len(found.candidates) >= 2
 

@@ -66,7 +66,6 @@ def test_good_evidence_makes_a_lane():
 @pytest.mark.parametrize(
     ("field", "good", "bad"),
     [
-        ("paint_width", CONFIG.paint_width_min, CONFIG.paint_width_min - 0.01),
         ("paint_width", CONFIG.paint_width_max, CONFIG.paint_width_max + 0.01),
         ("breadth", lane_selection.BREADTH_MAX, lane_selection.BREADTH_MAX + 0.01),
         ("height", CONFIG.height_max, CONFIG.height_max + 0.01),
@@ -90,7 +89,7 @@ def test_in_glare_paint_need_only_use_what_is_left_up_to_white():
     assert painted(replace(GOOD, contrast=low, headroom=lane_selection.HEADROOM_MIN))
 
 
-@pytest.mark.parametrize("name", ["paint_width_min", "paint_width_max", "contrast_min", "height_max"])
+@pytest.mark.parametrize("name", ["paint_width_max", "contrast_min", "height_max"])
 def test_the_limits_are_those_of_the_configuration(name):
     field = name[:-4]
     turned = getattr(CONFIG, name) * (2 if name.endswith("_min") else 0.5)
