@@ -94,6 +94,8 @@ class Ablation:
 ABLATIONS = (
     Ablation("none"),
     Ablation("disparity at full resolution", {"disparity.downscale": 1}),
+    Ablation("bushes and walls count in the v-disparity, too", patches={
+        f"{CORE}.road_profile.STANDING": ANY}),
     Ablation("road without cross slope", {"road_profile.roll": False}),
     Ablation("road profile of each pair by itself", patches={
         "lane_dp_ros.ros.lane_pipeline.LanePipeline._on_road": unfiltered}),

@@ -21,6 +21,7 @@ BELOW_HORIZON = 0.017  # of fy; rows nearer to the principal point see road beyo
 MIN_DISPARITY = 3.0  # px; farther road says nothing of its surface
 HALF_WIDTH = 8.0  # m; what lies farther aside is not taken for road
 COLUMN_STEP, ROW_STEP = 8, 3  # px; the surface is smooth, a sample of the pixels fits it as well
+STANDING = 4.0  # times the rows over which a road's disparity falls by 1 px; what keeps its own longer stands
 MIN_POINTS = 200  # fewer samples are no road
 MIN_INLIERS = 0.2  # of the pixels, matched or not; fewer and what was fitted is not the road
 HEIGHT_FACTOR = 1.4  # by which the camera may stand higher or lower than its nominal height
@@ -28,7 +29,7 @@ PITCH_RANGE = 0.15  # rad about the nominal pitch: vehicle and hill together
 ROLL_MAX = 0.15  # rad; a road banked by 15 %
 MAX_TRIALS = 80  # RANSAC samples
 NEIGHBOURS = 2  # disparities [px] by which the v-disparity path may move from row to row
-NARROWING = np.array([3.0] + 9 * [2.0])  # times residual_threshold; by then the fit stands still
+NARROWING = np.array([3.0] + 19 * [2.0])  # times residual_threshold; by then the fit stands still
 RIDGE = np.diag([1e-9, 1e-9, 2e-4, 1e-9])  # per sample; holds a profile that the data leave open straight
 
 
@@ -61,9 +62,9 @@ def fit_road_surface(
 ) -> RoadSurface | None:
     """Return the road's surface, or None where the disparity shows no road at a possible camera height.
 
-    The v-disparity path gives the quadratic profile f(v) by RANSAC (Fan & Dahnoun 2018); with
-    `config.roll` all pixels near it then give profile and cross slope together, by iterated Tukey
-    weights.
+    The v-disparity path, without what stands upright, gives the quadratic profile f(v) by RANSAC (Fan &
+    Dahnoun 2018); with `config.roll` all pixels near it then give profile and cross slope together, by
+    iterated Tukey weights.
     """
     first = int(np.clip(camera.cy + BELOW_HORIZON * camera.fy, 0, disparity.shape[0] - 1))
     v, u = np.mgrid[
@@ -75,11 +76,10 @@ def fit_road_surface(
         near = matched & (np.abs(u - camera.cx) * camera.baseline < HALF_WIDTH * d)
     if np.count_nonzero(near) < MIN_POINTS:
         return None
+    lies = ~_stands(np.where(near, d, 0), config.camera_height / camera.baseline)[near]
     u, v, d = u[near], v[near], d[near].astype(np.float64)
-    histogram = v_disparity(
-        (v - first) // ROW_STEP, d, (int(v.max() - first) // ROW_STEP + 1, int(d.max()) + 1)
-    )
-    rows, path = v_disparity_path(histogram)
+    shape = int(v.max() - first) // ROW_STEP + 1, int(d.max()) + 1
+    rows, path = v_disparity_path(v_disparity((v[lies] - first) // ROW_STEP, d[lies], shape))
     n = (first + ROW_STEP * rows - camera.cy) / PIXELS
     profile = ransac_parabola(np.asarray(n), path, config.residual_threshold, MAX_TRIALS, rng)
     if profile is None:
@@ -91,6 +91,17 @@ def fit_road_surface(
     surface = RoadSurface(camera, (float(b[0]), float(b[1]), float(b[2]), float(b[3])))
     on_surface = float(np.mean(np.abs(A @ b - d) < 2 * config.residual_threshold)) * float(np.mean(matched))
     return surface if on_surface >= MIN_INLIERS and _plausible(surface, config) else None
+
+
+def _stands(disparity: Floats, rows_per_px: float) -> NDArray[np.bool_]:
+    """Return which samples (rows, columns) stand upright: many in one column have the same disparity [px].
+
+    On a road it falls by 1 px over `rows_per_px` = height / baseline rows; a bush or a wall keeps its own,
+    and in v-disparity outweighs a road that leans (u-disparity, Hu & Uchimura 2005). 0 is no disparity.
+    """
+    cells = disparity.astype(np.intp) * disparity.shape[1] + np.arange(disparity.shape[1])
+    rows = ROW_STEP * np.bincount(cells.ravel())[cells]
+    return np.asarray((disparity > 0) & (rows > STANDING * rows_per_px))
 
 
 def _plausible(surface: RoadSurface, config: RoadProfileConfig) -> bool:

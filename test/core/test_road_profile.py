@@ -96,6 +96,32 @@ def test_without_roll_the_road_does_not_lean(camera, cluttered):
     assert fit(cluttered, camera, replace(CONFIG, roll=False)).coefficients[3] == 0
 
 
+@pytest.mark.parametrize("degrees", [-5, 0, 5])
+def test_a_bush_beside_the_road_is_not_taken_for_the_road(camera, disparity_of, flat, degrees):
+    """Its one disparity gets more votes in a row than the road's, the more so where the road leans."""
+    b0, b1, _, _ = flat.coefficients
+    leaning = RoadSurface(camera, (b0, b1, 0.0, b1 * np.tan(np.deg2rad(degrees))))
+    disparity = disparity_of(leaning)
+    bush = np.zeros(disparity.shape, bool)
+    bush[:260, 400:560] = True
+    disparity[bush] = np.fmax(disparity[bush], np.float32(camera.fx * camera.baseline / 9))
+    road = fit(disparity, camera)
+    assert road.camera_height == pytest.approx(HEIGHT, abs=0.03)
+    assert np.rad2deg(road.roll) == pytest.approx(degrees, abs=0.3)
+
+
+def test_whatever_the_seed_the_road_is_the_same(camera, cluttered, disparity_of, flat):
+    b0, b1, _, _ = flat.coefficients
+    leaning_hill = RoadSurface(camera, (b0, b1, 2.5, 4.0))
+    things = cluttered > disparity_of(flat) + 2
+    disparity = np.where(things, cluttered, disparity_of(leaning_hill)).astype(np.float32)
+    rows = np.arange(150.0, 300.0)
+    middle = np.full_like(rows, camera.cx)
+    first, *others = (fit(disparity, camera, seed=seed).disparity(middle, rows) for seed in range(8))
+    for other in others:
+        np.testing.assert_allclose(other, first, atol=1e-4)
+
+
 def test_the_same_seed_gives_the_same_road(camera, cluttered):
     assert fit(cluttered, camera, seed=3) == fit(cluttered, camera, seed=3)
 
