@@ -17,13 +17,13 @@ SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvat
 
 # What a kerb, a gutter, a rail or a verge has and paint lacks: little contrast, and one of the others.
 KERB_CONTRAST, KERB_HEADROOM = 0.40, 0.35  # paint has more of one of them
-KERB_STEP = 0.12  # m that the ground behind it is higher, or lower
+KERB_STEP = 0.12  # m; the ground behind it is so much higher or lower, or it lies so deep beside the road
 UNBROKEN = 4.5  # m; a dash is shorter. The following say nothing of dashes, which glare makes dim and broad.
 RAIL_WIDTH, KERB_WIDTH = 0.11, 0.3  # m; paint is neither narrower nor broader
 KERB_HEIGHT = 0.03  # m
 KERB_BRIGHTNESS = -0.1  # over that of the lane beside it, less 1
 
-SAME = 0.15  # m; nearer lines are one line found twice
+SAME = 0.15  # m; lines so near to each other over half of the shorter one are one line found twice
 BESIDE = 0.75  # m; nearer lines are a double line
 STRONG = 6.0  # m of paint, in a long piece or in dashes, that lift a line above being an arrow or hatching
 LONG_PIECE, DASHES = 8.0, 3  # m, number
@@ -52,6 +52,7 @@ def _is_kerb(evidence: LaneEvidence) -> bool:
         and evidence.headroom < KERB_HEADROOM
         and (
             evidence.step > KERB_STEP
+            or evidence.height < -KERB_STEP
             or (unbroken and not RAIL_WIDTH <= evidence.paint_width <= KERB_WIDTH)
             or (unbroken and evidence.height > KERB_HEIGHT)
             or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
@@ -76,10 +77,20 @@ def select_lanes(
         inside_lane = any(BESIDE < gap < config.lane_width_min for gap in gaps)
         if lines[i].score < config.score_min or (inside_lane and not _is_strong(lines[i], evidence[i])):
             continue
-        if any(gap <= (BESIDE if kept else SAME) for gap in gaps):
+        if any(_same(lines[i], lines[k]) for k in chosen) or (kept and min(gaps) <= BESIDE):
             continue
         chosen.append(i)
     return [i for i in chosen if i in kept or _stands(i, chosen, lines, evidence[i], config)]
+
+
+def _same(a: LaneLine, b: LaneLine) -> bool:
+    """Return whether two lines are one line found twice; those that merge or split run together for less."""
+    first, last = max(a.s[0], b.s[0]), min(a.s[-1], b.s[-1])
+    if last <= first:
+        return lateral_gap(a, b) <= SAME
+    s = np.linspace(first, last, 20)
+    together = np.abs(np.interp(s, a.s, a.n) - np.interp(s, b.s, b.n)) <= SAME
+    return bool(together.mean() * (last - first) > min(a.length, b.length) / 2)
 
 
 def _is_strong(line: LaneLine, evidence: LaneEvidence) -> bool:

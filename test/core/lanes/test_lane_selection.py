@@ -125,6 +125,11 @@ def test_a_pale_stripe_with_one_sign_of_a_kerb_is_a_kerb(sign):
     assert not painted(replace(PALE, **UNBROKEN, **{sign: ABOVE_KERB[sign]}))
 
 
+def test_a_pale_stripe_at_the_foot_of_a_step_is_a_kerb():
+    assert painted(replace(PALE, height=-lane_selection.KERB_STEP))
+    assert not painted(replace(PALE, height=-lane_selection.KERB_STEP - 0.01))
+
+
 @pytest.mark.parametrize("sign", ABOVE_KERB, ids=str)
 @pytest.mark.parametrize("field", ["contrast", "headroom"])
 def test_what_is_not_pale_is_no_kerb_whatever_else_it_has(sign, field):
@@ -224,6 +229,19 @@ def test_the_same_line_found_twice_is_one():
     for aside in (-lane_selection.SAME, 0.0, lane_selection.SAME - 0.01):
         assert selected(line(-1.75, score=5.0), line(-1.75 + aside)) == [1]
     assert selected(line(-1.75, score=5.0), line(-1.74 + lane_selection.SAME)) == [1, 0]
+
+
+@pytest.mark.parametrize(("together", "lines"), [(10.0, [1, 0]), (15.0, [1])])
+def test_lines_that_part_are_two_where_they_run_apart_for_longer(together, lines):
+    split = line(1.75, score=8.0)
+    split = replace(
+        split, n=split.n + np.maximum(0, split.s - split.s[0] - together + 1) * 0.2
+    )  # SAME in 1 m
+    assert selected(split, line(1.75)) == lines
+
+
+def test_two_pieces_of_a_line_are_one():
+    assert selected(line(-1.75, last=15), line(-1.7, score=5.0, first=20)) == [0]
 
 
 def test_the_strongest_comes_first():
