@@ -64,7 +64,7 @@ def as_it_is(line: LaneLine, *_: object) -> LaneLine:
 
 
 def nothing(*_: object) -> None:
-    """Look along no other axis."""
+    """Have no second look, no half line."""
 
 
 def no_heights(*_: object) -> LineHeights:
@@ -122,6 +122,8 @@ ABLATIONS = (
     Ablation("robust parabola instead of cubic", patches={f"{CORE}.lane_model.CUBIC_LENGTH": ANY}),
     Ablation("dashes not followed over gaps", patches={f"{CORE}.lane_search.extend_line": as_it_is}),
     Ablation("lines not ended at stop lines", patches={f"{CORE}.lane_search.end_at_stop_line": as_it_is}),
+    Ablation("of lines that lead astray the nearer half is not kept", patches={
+        f"{CORE}.lane_search.near_half": nothing}),
     Ablation("no heights along lines", patches={f"{CORE}.lane_evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
     Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),

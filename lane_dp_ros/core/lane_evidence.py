@@ -35,9 +35,7 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture:
     """Return the evidence for a line in a bird's-eye view; without a right image no heights are known."""
     column = ((line.n - view.n[0]) / view.resolution[1]).astype(np.float32)
     centre = np.clip(np.rint(column).astype(int), 0, len(view.n) - 1)
-    reach = round(NEAR_LINE / view.resolution[1])
-    around = np.clip(centre[:, None] + np.arange(-reach, reach + 1), 0, len(view.n) - 1)
-    feature = graph.feature[line.rows[:, None], around].max(axis=1)
+    feature = feature_along(line.rows, centre, view, graph)
     painted = _painted(feature)
     sections = _cross_sections(view, line.rows[painted], column[painted])
     width, breadth = _band_shape(sections, view.resolution[0])
@@ -56,6 +54,15 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture:
         run=_longest_run(feature > PAINTED, view.resolution[0]),
         dashes=_dashes(feature > PAINTED, view.resolution[0]),
     )
+
+
+def feature_along(
+    rows: NDArray[np.intp], columns: NDArray[np.intp], view: BirdsEyeView, graph: LaneGraph
+) -> Floats:
+    """Return the highest feature (N,) near each cell (rows[i], columns[i]) of a line."""
+    reach = round(NEAR_LINE / view.resolution[1])
+    around = np.clip(columns[:, None] + np.arange(-reach, reach + 1), 0, len(view.n) - 1)
+    return np.asarray(graph.feature[rows[:, None], around].max(axis=1))
 
 
 def _painted(feature: Floats) -> NDArray[np.bool_]:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,8 +15,9 @@ from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLin
 from lane_dp_ros.core.lane_evidence import line_evidence
 from lane_dp_ros.core.lane_graph import build_graph
 from lane_dp_ros.core.lane_model import fit_line
-from lane_dp_ros.core.lane_selection import is_paint, select_lanes
+from lane_dp_ros.core.lane_selection import is_paint, is_pale, select_lanes
 from lane_dp_ros.core.line_extension import extend_line
+from lane_dp_ros.core.near_half import near_half
 from lane_dp_ros.core.parallel_lines import parallel_lines
 from lane_dp_ros.core.path_search import find_paths
 from lane_dp_ros.core.road import RoadAxis
@@ -77,7 +78,8 @@ def _chosen(
 ) -> tuple[Judged, ...]:
     """Return the candidates that are lanes, and faint lines beside them that a second look finds."""
     selection, bend = config.lane_selection, view.axis.curvature
-    painted = [each for each in candidates if is_paint(*each, selection, bend)]
+    found_paint = (_as_paint(each, view, graph, picture, config) for each in candidates)
+    painted = [each for each in found_paint if each is not None]
     lines, evidence = [line for line, _ in painted], [evidence for _, evidence in painted]
     kept = select_lanes(lines, evidence, selection)
     for line in parallel_lines([lines[i] for i in kept], view, graph, selection):
@@ -87,3 +89,23 @@ def _chosen(
             evidence.append(found)
     kept = select_lanes(lines, evidence, selection, kept)
     return tuple((lines[i], evidence[i]) for i in kept)
+
+
+def _as_paint(
+    candidate: Judged, view: BirdsEyeView, graph: LaneGraph, picture: RoadPicture, config: DetectorConfig
+) -> Judged | None:
+    """Return a candidate with the evidence of paint, None without.
+
+    Of one that is too steep, but paint by all else, the nearer half, if that can stand alone and is brighter
+    than kerbs are.
+    """
+    (line, evidence), selection, bend = candidate, config.lane_selection, view.axis.curvature
+    if is_paint(line, evidence, selection, bend):
+        return candidate
+    if not is_paint(line, replace(evidence, slope=0.0), selection, bend):
+        return None
+    half = near_half(line, view, graph, config.path_search.blank_cost)
+    if half is None or half.score < selection.score_alone:
+        return None
+    found = line_evidence(half, view, graph, picture)
+    return (half, found) if is_paint(half, found, selection, bend) and not is_pale(found) else None

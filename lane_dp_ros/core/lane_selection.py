@@ -44,19 +44,20 @@ def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig
     )
 
 
+def is_pale(evidence: LaneEvidence) -> bool:
+    """Return whether a stripe is as pale as kerbs are."""
+    return evidence.contrast < KERB_CONTRAST and evidence.headroom < KERB_HEADROOM
+
+
 def _is_kerb(evidence: LaneEvidence) -> bool:
     """Return whether a pale stripe has a sign of a kerb, a gutter, a rail or a verge."""
     unbroken = evidence.run >= UNBROKEN
-    return (
-        evidence.contrast < KERB_CONTRAST
-        and evidence.headroom < KERB_HEADROOM
-        and (
-            evidence.step > KERB_STEP
-            or evidence.height < -KERB_STEP
-            or (unbroken and not RAIL_WIDTH <= evidence.paint_width <= KERB_WIDTH)
-            or (unbroken and evidence.height > KERB_HEIGHT)
-            or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
-        )
+    return is_pale(evidence) and (
+        evidence.step > KERB_STEP
+        or evidence.height < -KERB_STEP
+        or (unbroken and not RAIL_WIDTH <= evidence.paint_width <= KERB_WIDTH)
+        or (unbroken and evidence.height > KERB_HEIGHT)
+        or (unbroken and evidence.brightness < KERB_BRIGHTNESS)
     )
 
 

@@ -149,3 +149,19 @@ def test_the_same_picture_gives_the_same_lanes(search):
     first, again = search(), search()
     assert offsets_of(first) == offsets_of(again)
     assert first.score == again.score
+
+
+@pytest.mark.parametrize(("paint", "kept"), [(200, True), (130, False)], ids=["bright", "as pale as a kerb"])
+def test_of_a_line_that_leads_astray_the_nearer_half_is_kept(camera, disparity_of, right_of, paint, kept):
+    """Its paint turns aside 20 m ahead, steeper than any lane."""
+    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    disparity = disparity_of(surface)
+    x, z = surface.pixel_to_ground(*np.indices(disparity.shape, dtype=np.float32)[::-1])
+    line = 1.7 + 0.3 * np.maximum(0, z - 20)
+    image = np.full(disparity.shape, 90, np.uint8)
+    image[np.abs(x - line) < 0.08] = paint
+    picture = RoadPicture(image, right_of(image, surface), disparity, surface, surface)
+    found = search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
+    assert max(line.s[-1] for line, _ in found.candidates) > 25  # the candidates stay as they were found
+    assert offsets_of(found) == pytest.approx([1.7] if kept else [], abs=0.05)
+    assert all(line.s[-1] < 20 for line, _ in found.lanes)

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The nearer half of a line that leads astray: behind a crest, into light, onto the paint of another line."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine
+from lane_dp_ros.core.lane_evidence import feature_along
+from lane_dp_ros.core.lane_model import MIN_ROWS, polynomial_fit
+
+
+def near_half(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank_cost: float) -> LaneLine | None:
+    """Return the nearer half of a line, fitted to its own paint; None where it is too short to be fitted.
+
+    It scores its metres of paint, less `blank_cost` a metre of road that is seen.
+    """
+    half = slice(len(line.rows) // 2)
+    rows, s = line.rows[half], line.s[half]
+    if len(rows) < MIN_ROWS:
+        return None
+    per_row, per_column = view.resolution
+    centre, weight = view.paint_centres(graph, rows, (line.n[half] - view.n[0]) / per_column)
+    n, bend = polynomial_fit(s, centre, weight)
+    column = np.clip(np.rint((n - view.n[0]) / per_column).astype(int), 0, len(view.n) - 1)
+    gain = np.where(graph.seen[rows, column], feature_along(rows, column, view, graph) - blank_cost, 0)
+    return LaneLine(rows, s, n, bend, float(gain.sum() * per_row))
