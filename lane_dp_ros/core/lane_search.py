@@ -29,7 +29,7 @@ Judged = tuple[LaneLine, LaneEvidence]
 
 @dataclass(frozen=True)
 class LaneSearch:
-    """What was found along one axis: all candidates, each with its evidence, and those that are lanes."""
+    """What was found along one axis: all candidates, each with its evidence, and the lanes."""
 
     view: BirdsEyeView
     graph: LaneGraph
@@ -76,7 +76,7 @@ def _chosen(
     picture: RoadPicture,
     config: DetectorConfig,
 ) -> tuple[Judged, ...]:
-    """Return the candidates that are lanes, and faint lines beside them that a second look finds."""
+    """Return the candidates that are lanes, or halves of them, and faint lines that a second look finds."""
     selection, bend = config.lane_selection, view.axis.curvature
     found_paint = (_as_paint(each, view, graph, picture, config) for each in candidates)
     painted = [each for each in found_paint if each is not None]
@@ -96,8 +96,8 @@ def _as_paint(
 ) -> Judged | None:
     """Return a candidate with the evidence of paint, None without.
 
-    Of one that is too steep, but paint by all else, the nearer half, if that can stand alone and is brighter
-    than kerbs are.
+    Of one that is too steep, but paint by all else, the nearer half, if that has enough paint for a line by
+    itself and is brighter than kerbs are.
     """
     (line, evidence), selection, bend = candidate, config.lane_selection, view.axis.curvature
     if is_paint(line, evidence, selection, bend):

@@ -85,13 +85,13 @@ def select_lanes(
 
 
 def _same(a: LaneLine, b: LaneLine) -> bool:
-    """Return whether two lines are one line found twice; those that merge or split run together for less."""
+    """Return whether two lines are one found twice, or pieces of one; those that merge or split soon part."""
     first, last = max(a.s[0], b.s[0]), min(a.s[-1], b.s[-1])
     if last <= first:
         return lateral_gap(a, b) <= SAME
     s = np.linspace(first, last, 20)
     together = np.abs(np.interp(s, a.s, a.n) - np.interp(s, b.s, b.n)) <= SAME
-    return bool(together.mean() * (last - first) > min(a.length, b.length) / 2)
+    return bool(together.all() or together.mean() * (last - first) > min(a.length, b.length) / 2)
 
 
 def _is_strong(line: LaneLine, evidence: LaneEvidence) -> bool:

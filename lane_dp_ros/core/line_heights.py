@@ -22,7 +22,7 @@ Floats = NDArray[Any]
 
 STEP = 0.02  # m between the surfaces
 HEIGHTS = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
-FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity
+FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity with KITTI's cameras
 ALONG, ACROSS = 0.25, 0.025  # m between the samples
 LINE = 0.2  # m to each side of the line: the paint with its borders
 GROUND = (0.3, 1.2)  # m aside; the ground beside it
@@ -46,7 +46,7 @@ class LineHeights:
 
 
 def line_heights(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -> LineHeights:
-    """Return the heights along a line in the view of a picture; unknown where it is short, or mono."""
+    """Return the heights along a line in the view of a picture; unknown where it is short, far, or mono."""
     s = np.arange(line.s[0], min(line.s[-1], FAR), ALONG)
     if picture.right is None or len(s) < MIN_ROWS:
         return LineHeights()

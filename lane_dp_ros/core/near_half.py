@@ -12,17 +12,19 @@ from lane_dp_ros.core.lane_model import MIN_ROWS, polynomial_fit
 
 
 def near_half(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank_cost: float) -> LaneLine | None:
-    """Return the nearer half of a line, fitted to its own paint; None where it is too short to be fitted.
+    """Return the nearer half of a line, fitted to its own paint; None where there is too little to be fitted.
 
-    It scores its metres of paint, less `blank_cost` a metre of road that is seen.
+    It ends where its score is highest: its metres of paint, less `blank_cost` a metre of road that is seen.
     """
     half = slice(len(line.rows) // 2)
     rows, s = line.rows[half], line.s[half]
-    if len(rows) < MIN_ROWS:
-        return None
     per_row, per_column = view.resolution
     centre, weight = view.paint_centres(graph, rows, (line.n[half] - view.n[0]) / per_column)
+    if np.count_nonzero(weight) < MIN_ROWS:
+        return None
     n, bend = polynomial_fit(s, centre, weight)
     column = np.clip(np.rint((n - view.n[0]) / per_column).astype(int), 0, len(view.n) - 1)
     gain = np.where(graph.seen[rows, column], feature_along(rows, column, view, graph) - blank_cost, 0)
-    return LaneLine(rows, s, n, bend, float(gain.sum() * per_row))
+    score = np.cumsum(gain) * per_row
+    end = int(score.argmax()) + 1
+    return LaneLine(rows[:end], s[:end], n[:end], bend, float(score[end - 1])) if end >= MIN_ROWS else None

@@ -76,7 +76,8 @@ def fit_road_surface(
         near = matched & (np.abs(u - camera.cx) * camera.baseline < HALF_WIDTH * d)
     if np.count_nonzero(near) < MIN_POINTS:
         return None
-    lies = ~_stands(np.where(near, d, 0), config.camera_height / camera.baseline)[near]
+    rows_per_px = config.camera_height * camera.fy / (camera.baseline * camera.fx)
+    lies = ~_stands(np.where(near, d, 0), rows_per_px)[near]
     u, v, d = u[near], v[near], d[near].astype(np.float64)
     shape = int(v.max() - first) // ROW_STEP + 1, int(d.max()) + 1
     rows, path = v_disparity_path(v_disparity((v[lies] - first) // ROW_STEP, d[lies], shape))
@@ -96,8 +97,8 @@ def fit_road_surface(
 def _stands(disparity: Floats, rows_per_px: float) -> NDArray[np.bool_]:
     """Return which samples (rows, columns) stand upright: many in one column have the same disparity [px].
 
-    On a road it falls by 1 px over `rows_per_px` = height / baseline rows; a bush or a wall keeps its own,
-    and in v-disparity outweighs a road that leans (u-disparity, Hu & Uchimura 2005). 0 is no disparity.
+    On a flat road it falls by 1 px over `rows_per_px` rows; a bush or a wall keeps its own, and in
+    v-disparity outweighs a road that leans (u-disparity, Hu & Uchimura 2005). 0 is no disparity.
     """
     cells = disparity.astype(np.intp) * disparity.shape[1] + np.arange(disparity.shape[1])
     rows = ROW_STEP * np.bincount(cells.ravel())[cells]

@@ -322,6 +322,7 @@ def test_the_frames_are_judged_in_a_mirror_and_at_other_exposures(kitti_data, mo
     ]  # fmt: skip
     precision = [float(row.split()[-6]) for row in rows]
     assert min(precision) > 0.85 and max(precision) < 1
+    assert len({tuple(row.split()[-6:]) for row in rows}) == 6  # each way is judged by itself
 
 
 def test_the_lines_of_both_drives_are_steady(kitti_data, monkeypatch, capsys):

@@ -240,8 +240,14 @@ def test_lines_that_part_are_two_where_they_run_apart_for_longer(together, lines
     assert selected(split, line(1.75)) == lines
 
 
-def test_two_pieces_of_a_line_are_one():
-    assert selected(line(-1.75, last=15), line(-1.7, score=5.0, first=20)) == [0]
+@pytest.mark.parametrize("first", [12.0, 15.0, 20.0], ids=["overlap", "touch", "apart"])
+def test_two_pieces_of_a_line_are_one(first):
+    assert selected(line(-1.75, last=15), line(-1.7, score=5.0, first=first)) == [0]
+
+
+def test_a_short_line_that_a_long_one_holds_is_the_same():
+    short = line(1.7, score=5.0, first=8, last=16, slope=0.03)  # nearer than SAME over 6.7 m of 8 m
+    assert selected(line(1.75), short) == [0]
 
 
 def test_the_strongest_comes_first():

@@ -19,8 +19,8 @@ BLANK_COST = 0.15
 def halved(painted_road):
     """Return a function: a line that turns aside, as a path follows it, and what is left of it."""
 
-    def halved(count=80, last=100.0, unseen=()):
-        road = painted_road().line(lambda s: N + 0.3 * np.maximum(0, s - TURN), last=last)
+    def halved(count=80, first=0.0, last=100.0, unseen=()):
+        road = painted_road().line(lambda s: N + 0.3 * np.maximum(0, s - TURN), first=first, last=last)
         road.seen[np.isin(np.arange(len(road.s)), unseen)] = False
         view, graph = road.bands()
         rows = np.arange(len(view.s))[::-1][:count]
@@ -43,7 +43,17 @@ def test_the_nearer_half_of_a_line_lies_on_its_own_paint(halved):
 
 def test_its_score_is_its_paint_less_the_blank_road(halved):
     assert halved()[1].score == pytest.approx(10 * (1 - BLANK_COST), abs=0.2)
-    assert halved(last=9.0)[1].score == pytest.approx(5 - 10 * BLANK_COST, abs=0.4)
+    assert halved(first=9.0)[1].score == pytest.approx(5 - 10 * BLANK_COST, abs=0.4)
+
+
+def test_it_ends_with_its_paint(halved):
+    half = halved(last=9.0)[1]
+    assert half.s[-1] == pytest.approx(9.0, abs=0.3)
+    assert half.score == pytest.approx(5 * (1 - BLANK_COST), abs=0.4)
+
+
+def test_without_paint_there_is_no_half(halved):
+    assert halved(first=15.0)[1] is None
 
 
 def test_what_is_not_seen_counts_neither_way(halved):
