@@ -140,12 +140,14 @@ def test_evidence_is_remembered_by_the_pictures_that_it_comes_from(pairs):
 
     line_evidence.__module__ = real.__module__
     with patch("lane_dp_ros.core.lane_search.line_evidence", line_evidence):
-        for values in ({}, {"lane_selection.score_min": 2.0}):
+        counts = []
+        for values in ({}, {"lane_selection.score_min": 2.0}, {"disparity.P1": 500}):
             with memory.in_use():
                 pairs[0].detected(replaced(DetectorConfig(), values))
-    assert (
-        len(lines) == len({id(line) for line in lines}) >= 3
-    )  # each line once, those of the second look, too
+            counts.append(len(lines))
+    first = lines[: counts[1]]
+    assert counts[1] == len({id(line) for line in first}) >= 3  # each once, those of the second look, too
+    assert 0 < counts[0] == counts[1] < counts[2]
 
 
 def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
@@ -315,14 +317,17 @@ def test_jitter_is_what_a_line_deviates_from_its_own_motion():
 def test_the_frames_are_judged_in_a_mirror_and_at_other_exposures(kitti_data, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["varied_frames", str(kitti_data), "--jobs", "2"])
     assert varied_frames.main() == 0
-    rows = [line for line in capsys.readouterr().out.splitlines() if " 69 " in line]  # own lines, each way
+    rows = capsys.readouterr().out.splitlines()[2:]
     assert [row.split("  ")[0] for row in rows] == [
         "as they are", "in a mirror", "gamma 0.7", "in a mirror, gamma 0.7", "gamma 1.4",
         "in a mirror, gamma 1.4",
     ]  # fmt: skip
-    precision = [float(row.split()[-6]) for row in rows]
+    numbers = np.array([row.split()[-9:] for row in rows], float)
+    markings, incorrect, missed, precision = numbers.T[:4]
+    assert np.all(markings == 69)
+    assert np.all(incorrect + missed <= 10)
     assert min(precision) > 0.85 and max(precision) < 1
-    assert len({tuple(row.split()[-6:]) for row in rows}) == 6  # each way is judged by itself
+    assert len(set(missed)) > 1 and len(np.unique(numbers, axis=0)) == 6  # each way is judged by itself
 
 
 def test_the_lines_of_both_drives_are_steady(kitti_data, monkeypatch, capsys):
@@ -330,4 +335,5 @@ def test_the_lines_of_both_drives_are_steady(kitti_data, monkeypatch, capsys):
     assert steady_lines.main() == 0
     out = capsys.readouterr().out.splitlines()
     assert [line.split(":")[0] for line in out] == ["01", "02", "all"]
+    assert ["51 frames" in out[0], "20 frames" in out[1]] == [True, True]
     assert 0.002 < float(out[-1].split()[-2]) <= 0.0105
