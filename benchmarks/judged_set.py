@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import inspect
 import itertools
+import sys
 from collections import OrderedDict, defaultdict
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -45,10 +46,11 @@ Image = NDArray[np.uint8]
 UNPAINTED = "kitti_odometry/06"  # a whole sequence without paint: any line is false
 REMEMBERED = 200  # calls per frame; the detector makes about fifty, or twice that along a second axis
 
+CORE = "lane_dp_ros.core."
 CALLERS = lane_detector, lane_search
 # Quick, and full of constants that thresholds.py changes; or they only call functions that remember.
 ALWAYS_RUN = {
-    f"lane_dp_ros.core.{module}"
+    f"{CORE}{module}"
     for module in ("lane_detector", "lane_search", "lane_selection", "turned_axis", "lanes", "left_alone")
 }
 
@@ -197,9 +199,9 @@ class Memory:
     """What the stages of the detector returned for one pair, by the very objects that they were called with.
 
     Configurations and plain values are told apart by what they are, pictures of the road by their parts, all
-    else by identity; with names of other modules replaced all is computed anew. That holds as long as the
-    stages are functions of their arguments, generators of random numbers among them: these are left as the
-    function left them.
+    else by identity; with a name replaced in a module that a function uses, it is called anew. That holds as
+    long as the stages are functions of their arguments, generators of random numbers among them: these are
+    left as the function left them.
     """
 
     def __init__(self) -> None:
@@ -208,12 +210,9 @@ class Memory:
     @contextmanager
     def in_use(self, patches: Mapping[str, Any] | None = None) -> Iterator[None]:
         """Let the detector's functions remember as long as the block lasts; `patches` are in force."""
-        inside = frozenset(
-            each for each in (patches or {}).items() if each[0].rpartition(".")[0] not in ALWAYS_RUN
-        )
         with patched(
             {
-                f"{caller.__name__}.{name}": self._remembering(function, inside)
+                f"{caller.__name__}.{name}": self._remembering(function, _inside(function, patches or {}))
                 for caller in CALLERS
                 for name, function in vars(caller).items()
                 if inspect.isfunction(function) and _is_remembered(function)
@@ -243,8 +242,30 @@ class Memory:
         return remembering
 
 
+def _modules_used(name: str) -> frozenset[str]:
+    """Return the core's modules whose functions or classes a module may call, and its own name."""
+    used, new = set[str](), {name}
+    while new:
+        used |= new
+        owners = {
+            getattr(value, "__module__", None) for each in new for value in vars(sys.modules[each]).values()
+        }
+        new = {owner for owner in owners if owner is not None and owner.startswith(CORE)} - used
+    return frozenset(used)
+
+
+# Now, while nothing is replaced.
+MODULES_USED = {name: _modules_used(name) for name in tuple(sys.modules) if name.startswith(CORE)}
+
+
+def _inside(function: Callable[..., Any], patches: Mapping[str, Any]) -> Hashable:
+    """Return those of the patches that may change what a function returns."""
+    used = MODULES_USED[function.__module__]
+    return frozenset(each for each in patches.items() if each[0].rpartition(".")[0] in used)
+
+
 def _is_remembered(function: Callable[..., Any]) -> bool:
-    return function.__module__.startswith("lane_dp_ros.core.") and function.__module__ not in ALWAYS_RUN
+    return function.__module__.startswith(CORE) and function.__module__ not in ALWAYS_RUN
 
 
 def _identity(value: Any) -> Any:

@@ -14,7 +14,7 @@ from lane_dp_ros.core.runs import runs_of
 
 Floats = NDArray[np.float32]
 
-PAINTED = 0.5  # feature above which a row shows paint
+PAINTED = 0.5  # feature, or weight of a centre, above which a row shows paint
 MIN_PAINTED = 3  # rows; with fewer the best ones are looked at
 SAMPLE = 0.05  # m between the samples of a cross section, whatever the view's resolution
 SECTION = 20  # samples to each side of the centre: the cross section that is looked at
@@ -47,6 +47,7 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture:
         height=height,
         step=step,
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
+        deviation=_deviation(line, view, graph),
         roughness=_roughness(line.rows, centre, view, graph),
         contrast=contrast,
         headroom=headroom,
@@ -159,6 +160,13 @@ def _height_and_step(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -
     ground = next((height for height in (towards, away) if np.isfinite(height)), 0.0)
     step = abs(away - heights.line)
     return heights.line - ground, float(step) if np.isfinite(step) else 0.0
+
+
+def _deviation(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> float:
+    """Return how far [m] the centres of the paint lie aside of the line, 90th percentile."""
+    centre, weight = view.paint_centres(graph, line.rows, (line.n - view.n[0]) / view.resolution[1])
+    aside = np.abs(centre - line.n)[weight > PAINTED]
+    return float(np.percentile(aside, 90)) if len(aside) else 0.0
 
 
 def _roughness(

@@ -3,6 +3,7 @@
 """The benchmarks that judge: they name parameters and functions that exist, and choose and count rightly."""
 
 import sys
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
@@ -129,6 +130,38 @@ def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
         assert len(calls) == 2
 
 
+def test_a_constant_has_only_what_uses_it_computed_again(pairs):
+    memory, calls = judged_set.Memory(), Counter()
+    search, detector = judged_set.lane_search, judged_set.lane_detector
+
+    def counted(module, name):
+        real = getattr(module, name)
+
+        def function(*arguments):
+            calls[name] += 1
+            return real(*arguments)
+
+        function.__module__ = real.__module__
+        return patch.object(module, name, function)
+
+    def detect(name, value):
+        patches = {f"lane_dp_ros.core.{name}": value}
+        with judged_set.patched(patches), memory.in_use(patches):
+            pairs[0].detected(DetectorConfig())
+        return tuple(calls.values())
+
+    with (
+        counted(detector, "dense_disparity"),
+        counted(search, "find_paths"),
+        counted(search, "line_evidence"),
+    ):
+        disparities, paths, evidence = detect("line_heights.DISTINCT", 0.3)
+        assert (disparities, paths) == (1, 1) and evidence >= 3
+        assert detect("line_heights.DISTINCT", 0.4) == (1, 1, 2 * evidence)
+        assert detect("line_heights.DISTINCT", 0.3) == (1, 1, 2 * evidence)
+        assert detect("path_search.SLOPE_COST", 5.0)[:2] == (1, 2)
+
+
 def test_evidence_is_remembered_by_the_pictures_that_it_comes_from(pairs):
     memory = judged_set.Memory()
     lines = []
@@ -204,6 +237,12 @@ def test_the_search_takes_what_is_best_on_the_other_drives_and_nearest_to_the_mi
     assert search._best_along(0, start, ["one"])[0] == grid[4]
     assert search._best_along(0, start, ["two"])[0] == grid[1]
     assert search._best_along(0, start, ["three"])[0] == grid[2]
+
+
+def test_each_third_pair_of_the_drive_without_paint_is_varied(pairs):
+    bare = [replace(pairs[0], name=f"06/{i}", sequence=judged_set.UNPAINTED) for i in range(4)]
+    names = [pair.name for pair in leave_a_drive_out.to_vary([*pairs, *bare])]
+    assert names == ["road/00", "road/01", "06/1"]
 
 
 def test_nothing_is_chosen_on_the_drive_that_is_judged():

@@ -9,6 +9,7 @@ from lane_dp_ros.core import lane_evidence, lane_selection
 from lane_dp_ros.core.config import LaneSelectionConfig
 
 CENTRE = 1.025  # m
+NEAR, LENGTH = 4.0, 20.0  # m; of the drawn roads
 LIMITS = LaneSelectionConfig()
 
 
@@ -109,6 +110,18 @@ def test_slope_is_the_steepest_lateral_over_forward(painted_road, evidence_of):
 
     assert evidence_of(painted_road().line(course), course).slope == pytest.approx(0.1)
     assert evidence_of(painted_road().line(CENTRE)).slope == 0
+
+
+@pytest.mark.parametrize(("aside", "rows"), [(0.2, 20), (0.2, 4)], ids=["a quarter of it", "a twentieth"])
+def test_deviation_is_how_far_nine_tenths_of_the_paint_lie_aside(painted_road, evidence_of, aside, rows):
+    """80 rows, of which the farthest lie aside; a few of them do not count."""
+    far = NEAR + LENGTH - rows * 0.25
+    road = painted_road().line(lambda s: CENTRE + aside * (s > far))
+    assert evidence_of(road).deviation == pytest.approx(aside if rows > 8 else 0, abs=0.01)
+
+
+def test_without_paint_nothing_deviates(painted_road, evidence_of):
+    assert evidence_of(painted_road()).deviation == 0
 
 
 def test_roughness_is_texture_over_brightness_on_the_smoother_side(painted_road, evidence_of):

@@ -8,6 +8,7 @@ import pytest
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.data import RoadPicture
 from lane_dp_ros.core.lane_search import LaneSearch, search_lanes
+from lane_dp_ros.core.lane_selection import DEVIATION_MAX
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 from lane_dp_ros.core.stopwatch import Stopwatch
@@ -151,17 +152,36 @@ def test_the_same_picture_gives_the_same_lanes(search):
     assert first.score == again.score
 
 
-@pytest.mark.parametrize(("paint", "kept"), [(200, True), (130, False)], ids=["bright", "as pale as a kerb"])
-def test_of_a_line_that_leads_astray_the_nearer_half_is_kept(camera, disparity_of, right_of, paint, kept):
-    """Its paint turns aside 20 m ahead, steeper than any lane."""
+@pytest.fixture(scope="module")
+def one_line(camera, disparity_of, right_of):
+    """Return a function: what is found on a straight road of one line x(z), `paint` [grey levels] bright."""
     surface = RoadSurface.plane(camera, 1.6, 0.02)
     disparity = disparity_of(surface)
     x, z = surface.pixel_to_ground(*np.indices(disparity.shape, dtype=np.float32)[::-1])
-    line = 1.7 + 0.3 * np.maximum(0, z - 20)
-    image = np.full(disparity.shape, 90, np.uint8)
-    image[np.abs(x - line) < 0.08] = paint
-    picture = RoadPicture(image, right_of(image, surface), disparity, surface, surface)
-    found = search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
+
+    def one_line(course, paint=200):
+        image = np.full(disparity.shape, 90, np.uint8)
+        image[np.abs(x - course(z)) < 0.08] = paint
+        picture = RoadPicture(image, right_of(image, surface), disparity, surface, surface)
+        return search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
+
+    return one_line
+
+
+@pytest.mark.parametrize(("paint", "kept"), [(200, True), (130, False)], ids=["bright", "as pale as a kerb"])
+def test_of_a_line_that_leads_astray_the_nearer_half_is_kept(one_line, paint, kept):
+    """Its paint turns aside 20 m ahead, steeper than any lane."""
+    found = one_line(lambda z: 1.7 + 0.3 * np.maximum(0, z - 20), paint)
     assert max(line.s[-1] for line, _ in found.candidates) > 25  # the candidates stay as they were found
     assert offsets_of(found) == pytest.approx([1.7] if kept else [], abs=0.05)
     assert all(line.s[-1] < 20 for line, _ in found.lanes)
+
+
+def test_of_a_line_that_leaves_its_paint_the_nearer_half_is_kept(one_line):
+    """Something else begins 0.5 m aside where it ends: no smooth curve lies on both."""
+    found = one_line(lambda z: 1.7 + 0.5 * (z > 20))
+    longest, evidence = max(found.candidates, key=lambda each: each[0].length)
+    assert longest.s[-1] > 25
+    assert evidence.deviation > DEVIATION_MAX and evidence.slope < DetectorConfig().lane_selection.slope_max
+    assert offsets_of(found) == pytest.approx([1.7], abs=0.02)
+    assert all(line.s[-1] <= 20 for line, _ in found.lanes)

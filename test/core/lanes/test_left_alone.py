@@ -22,6 +22,7 @@ PAINT = LaneEvidence(
     height=np.nan,  # as it is without a right picture
     step=0.0,
     slope=0.01,
+    deviation=0.02,
     roughness=0.03,
     contrast=0.6,
     headroom=0.4,

@@ -20,6 +20,7 @@ PAINT = LaneEvidence(
     height=0.0,
     step=0.0,
     slope=0.3,  # more than a line along the axis may have
+    deviation=0.02,
     roughness=0.05,
     contrast=0.5,
     headroom=0.5,
