@@ -139,11 +139,18 @@ class BirdsEyeView:
         s, n = self.axis.from_ground(*self.ground.pixel_to_ground(u, v))
         return np.asarray(s), np.asarray(n)
 
+    def columns(self, n: ArrayLike) -> NDArray[np.float64]:
+        """Return the columns (N,), with fractions, of lateral positions n (N,) [m]."""
+        return np.asarray((np.asarray(n) - self.n[0]) / self.resolution[1])
+
+    def nearest_columns(self, n: ArrayLike) -> NDArray[np.intp]:
+        """Return the columns (N,) of lateral positions n (N,) [m]; beyond the view those of its border."""
+        return np.clip(np.rint(self.columns(n)).astype(np.intp), 0, len(self.n) - 1)
+
     def cells(self, points: ArrayLike) -> NDArray[np.float64]:
         """Return column and row (N, 2), with fractions, of points (N, 3) [m] in the left optical frame."""
         s, n = self.to_road(points)
-        per_row, per_column = self.resolution
-        return np.column_stack([(n - self.n[0]) / per_column, (self.s[0] - s) / per_row])
+        return np.column_stack([self.columns(n), (self.s[0] - s) / self.resolution[0]])
 
     def paint_centres(self, graph: LaneGraph, rows: NDArray[Any], columns: Floats) -> tuple[Floats, Floats]:
         """Return the centre n [m] of the paint near cells (rows[i], columns[i]) and its weight in [0, 1].

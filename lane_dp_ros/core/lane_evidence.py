@@ -33,8 +33,8 @@ DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 
 def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture: RoadPicture) -> LaneEvidence:
     """Return the evidence for a line in a bird's-eye view; without a right image no heights are known."""
-    column = ((line.n - view.n[0]) / view.resolution[1]).astype(np.float32)
-    centre = np.clip(np.rint(column).astype(int), 0, len(view.n) - 1)
+    column = view.columns(line.n).astype(np.float32)
+    centre = view.nearest_columns(line.n)
     feature = feature_along(line.rows, centre, view, graph)
     painted = _painted(feature)
     sections = _cross_sections(view, line.rows[painted], column[painted])
@@ -164,7 +164,7 @@ def _height_and_step(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -
 
 def _deviation(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> float:
     """Return how far [m] the centres of the paint lie aside of the line, 90th percentile."""
-    centre, weight = view.paint_centres(graph, line.rows, (line.n - view.n[0]) / view.resolution[1])
+    centre, weight = view.paint_centres(graph, line.rows, view.columns(line.n))
     aside = np.abs(centre - line.n)[weight > PAINTED]
     return float(np.percentile(aside, 90)) if len(aside) else 0.0
 

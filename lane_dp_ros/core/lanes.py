@@ -54,6 +54,5 @@ def _lane(line: LaneLine, evidence: LaneEvidence, view: BirdsEyeView, role: Lane
 
 def _seen(line: LaneLine, view: BirdsEyeView) -> tuple[float, float]:
     """Return s [m] between which a line lies in the picture; all of it where the view is too coarse."""
-    column = np.rint((line.n - view.n[0]) / view.resolution[1]).astype(int)
-    s = line.s[view.seen[line.rows, np.clip(column, 0, len(view.n) - 1)]]
+    s = line.s[view.seen[line.rows, view.nearest_columns(line.n)]]
     return (float(s[0]), float(s[-1])) if len(s) > 1 else (float(line.s[0]), float(line.s[-1]))

@@ -37,11 +37,11 @@ def _to_next_dash(
     line: LaneLine, end: int, view: BirdsEyeView, graph: LaneGraph, blank_cost: float
 ) -> LaneLine | None:
     """Return the line with the next dash beyond its `end`, fitted anew; None where there is none."""
-    per_row, per_column = view.resolution
+    per_row = view.resolution[0]
     rows = _rows_beyond(line, end, view)
     s = view.s[rows]
     n = line.n[end] + _slope(line, end) * (s - line.s[end])
-    centre, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
+    centre, weight = view.paint_centres(graph, rows, view.columns(n))
     painted = (weight > PAINTED) & (n > view.n[0]) & (n < view.n[-1])
     dash = _first_run(painted, round(DASH_MIN / per_row))
     if dash is None or dash.start * per_row > GAP_MAX or _turns(s[dash], (centre - n)[dash]):
@@ -51,7 +51,7 @@ def _to_next_dash(
         rows, n = np.concatenate([line.rows, rows]), np.concatenate([line.n, n])
     else:
         rows, n = np.concatenate([rows[::-1], line.rows]), np.concatenate([n[::-1], line.n])
-    centre, weight = view.paint_centres(graph, rows, (n - view.n[0]) / per_column)
+    centre, weight = view.paint_centres(graph, rows, view.columns(n))
     fitted, bend = polynomial_fit(view.s[rows], centre, weight)
     gain = (dash.stop - dash.start - blank_cost * dash.stop) * per_row
     return LaneLine(rows, view.s[rows], fitted, bend, line.score + max(gain, 0.0))

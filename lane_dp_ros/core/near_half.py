@@ -18,13 +18,12 @@ def near_half(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank_cost: 
     """
     half = slice(len(line.rows) // 2)
     rows, s = line.rows[half], line.s[half]
-    per_row, per_column = view.resolution
-    centre, weight = view.paint_centres(graph, rows, (line.n[half] - view.n[0]) / per_column)
+    centre, weight = view.paint_centres(graph, rows, view.columns(line.n[half]))
     if np.count_nonzero(weight) < MIN_ROWS:
         return None
     n, bend = polynomial_fit(s, centre, weight)
-    column = np.clip(np.rint((n - view.n[0]) / per_column).astype(int), 0, len(view.n) - 1)
+    column = view.nearest_columns(n)
     gain = np.where(graph.seen[rows, column], feature_along(rows, column, view, graph) - blank_cost, 0)
-    score = np.cumsum(gain) * per_row
+    score = np.cumsum(gain) * view.resolution[0]
     end = int(score.argmax()) + 1
     return LaneLine(rows[:end], s[:end], n[:end], bend, float(score[end - 1])) if end >= MIN_ROWS else None

@@ -98,7 +98,7 @@ def _fitted(
     view: BirdsEyeView, graph: LaneGraph, rows: NDArray[np.intp], parallel: Floats, score: float
 ) -> LaneLine:
     """Return the line n = `parallel` (N,) [m], moved and turned a little onto the centres of its paint."""
-    n, weight = view.paint_centres(graph, rows, (parallel - view.n[0]) / view.resolution[1])
+    n, weight = view.paint_centres(graph, rows, view.columns(parallel))
     s = view.s[rows]
     A = np.vander((s - s.mean()) / TEN_METRES, 2, increasing=True)
     b = tukey_fit(A, n - parallel, weight + 1e-6, RIDGE, np.full(ROUNDS, TOLERANCE))

@@ -27,8 +27,8 @@ def end_at_stop_line(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank
 
     What is left of it scores its metres of paint, less `blank_cost` a metre.
     """
-    per_row, per_column = view.resolution
-    painted = view.paint_centres(graph, line.rows, (line.n - view.n[0]) / per_column)[1] > PAINTED
+    per_row = view.resolution[0]
+    painted = view.paint_centres(graph, line.rows, view.columns(line.n))[1] > PAINTED
     dashes = runs_of(painted)
     dashes = dashes[np.diff(dashes)[:, 0] * per_row >= DASH_MIN]
     gaps = [(end, start) for (_, end), (start, _) in pairwise(dashes) if (start - end) * per_row >= JUNCTION]
@@ -45,13 +45,13 @@ def end_at_stop_line(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, blank
 def _bars(line: LaneLine, painted: NDArray[np.bool_], view: BirdsEyeView) -> NDArray[np.bool_]:
     """Return the rows (N,) of a line beside which a bar as bright as the line runs across the road."""
     per_row, per_column = view.resolution
-    centre = np.rint((line.n - view.n[0]) / per_column).astype(int)
+    centre = view.nearest_columns(line.n)
     first, last = (round(d / per_column) for d in ASIDE)
     sides = np.array([-1, 1])[:, None, None] * np.arange(first, last + 1)
     columns = np.clip(centre[:, None] + sides, 0, len(view.n) - 1)
     rows = line.rows[:, None]
     beside = view.image[rows, columns].mean(axis=2)
-    grey = view.image[line.rows, np.clip(centre, 0, len(view.n) - 1)]
+    grey = view.image[line.rows, centre]
     own = np.median((grey - beside)[:, painted], axis=1).max()
     bare = round(BARE / per_row)
     around = np.pad(beside, [(0, 0), (bare, bare)], constant_values=np.inf)

@@ -15,6 +15,13 @@ def test_resolution_is_metres_per_row_and_column(painted_road):
     assert painted_road().view().resolution == pytest.approx((0.25, 0.05))
 
 
+def test_columns_count_from_the_left_and_end_with_the_view(painted_road):
+    """200 columns of 0.05 m, the first one's centre at -4.975 m."""
+    view = painted_road().view()
+    np.testing.assert_allclose(view.columns([-4.975, 0.0, 4.975]), [0, 99.5, 199])
+    assert view.nearest_columns([-6.0, -4.94, 0.02, 6.0]).tolist() == [0, 1, 100, 199]
+
+
 def test_pixels_of_a_flat_straight_road_are_those_of_a_pinhole(painted_road):
     view = painted_road().view()
     # u = cx + fx n / s, v = cy + fy h / s with f = 721.5, cx = 609.6, cy = 172.9, h = 1.65 m
