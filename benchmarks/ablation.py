@@ -139,7 +139,7 @@ ABLATIONS = (
     Ablation("kerbs: signs count for dashes, too", patches={f"{SELECTION}.UNBROKEN": 0.0}),
     Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
     Ablation("slope test no laxer in bends", patches={f"{SELECTION}.SLOPE_PER_BEND": 0.0}),
-    Ablation("no test of how far paint lies aside", patches={f"{SELECTION}.DEVIATION_MAX": ANY}),
+    Ablation("lines may pass beside their paint", patches={f"{SELECTION}.ASTRAY_MAX": ANY}),
     Ablation("no roughness test", {"lane_selection.roughness_max": 1.0}),
     Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
     Ablation("no mid-lane rule", patches={

@@ -27,7 +27,7 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
     "lane_selection.HEADROOM_MIN": (0.05, 0.15, 0.25),
     "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
-    "lane_selection.DEVIATION_MAX": (0.10, 0.125, 0.15),  # m
+    "lane_selection.ASTRAY_MAX": (0.05, 0.10, 0.15),
     "lane_selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
     "lane_selection.KERB_HEADROOM": (0.2, 0.3, 0.4),
     "lane_selection.KERB_STEP": (0.06, 0.10, 0.14),  # m

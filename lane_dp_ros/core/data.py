@@ -216,8 +216,8 @@ class LaneEvidence:
     """How much higher or lower [m] the ground on the other side is: a kerb's; 0 where it is not known."""
     slope: float
     """Steepest lateral over forward, against the road's axis."""
-    deviation: float
-    """How far [m] its paint lies aside of it, 90th percentile: one line's paint lies on one curve."""
+    astray: float
+    """Share of the paint that it passes beside: that of one line lies on one smooth curve."""
     roughness: float
     """Texture beside the line, over brightness: asphalt is smooth, grass is not."""
     contrast: float

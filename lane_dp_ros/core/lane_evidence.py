@@ -15,11 +15,13 @@ from lane_dp_ros.core.runs import runs_of
 Floats = NDArray[np.float32]
 
 PAINTED = 0.5  # feature, or weight of a centre, above which a row shows paint
+UNPAINTED = 0.35  # feature below which it shows none
 MIN_PAINTED = 3  # rows; with fewer the best ones are looked at
 SAMPLE = 0.05  # m between the samples of a cross section, whatever the view's resolution
 SECTION = 20  # samples to each side of the centre: the cross section that is looked at
 RECENTRE = 2  # samples by which a row's cross section may be moved onto its peak
 NEAR_LINE = 0.10  # m to each side of a line, where its paint is looked up
+ON_LINE = 0.05  # m; the same, where the line itself has to lie on it
 NEAR_PAINT = 10.0  # m of paint, the nearest, that give the cross section; the far ones are blurred
 GAP_BRIDGED = 1.0  # m of missing paint inside one run
 ASIDE = 0.6  # m; where the texture beside the line is taken
@@ -47,7 +49,7 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture:
         height=height,
         step=step,
         slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
-        deviation=_deviation(line, view, graph),
+        astray=_astray(line, centre, view, graph),
         roughness=_roughness(line.rows, centre, view, graph),
         contrast=contrast,
         headroom=headroom,
@@ -58,10 +60,14 @@ def line_evidence(line: LaneLine, view: BirdsEyeView, graph: LaneGraph, picture:
 
 
 def feature_along(
-    rows: NDArray[np.intp], columns: NDArray[np.intp], view: BirdsEyeView, graph: LaneGraph
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+    view: BirdsEyeView,
+    graph: LaneGraph,
+    aside: float = NEAR_LINE,
 ) -> Floats:
-    """Return the highest feature (N,) near each cell (rows[i], columns[i]) of a line."""
-    reach = round(NEAR_LINE / view.resolution[1])
+    """Return the highest feature (N,) up to `aside` [m] from each cell (rows[i], columns[i]) of a line."""
+    reach = round(aside / view.resolution[1])
     around = np.clip(columns[:, None] + np.arange(-reach, reach + 1), 0, len(view.n) - 1)
     return np.asarray(graph.feature[rows[:, None], around].max(axis=1))
 
@@ -162,11 +168,11 @@ def _height_and_step(line: LaneLine, view: BirdsEyeView, picture: RoadPicture) -
     return heights.line - ground, float(step) if np.isfinite(step) else 0.0
 
 
-def _deviation(line: LaneLine, view: BirdsEyeView, graph: LaneGraph) -> float:
-    """Return how far [m] the centres of the paint lie aside of the line, 90th percentile."""
-    centre, weight = view.paint_centres(graph, line.rows, view.columns(line.n))
-    aside = np.abs(centre - line.n)[weight > PAINTED]
-    return float(np.percentile(aside, 90)) if len(aside) else 0.0
+def _astray(line: LaneLine, centre: NDArray[np.intp], view: BirdsEyeView, graph: LaneGraph) -> float:
+    """Return the share of the rows with paint nearby in which the line itself lies on none."""
+    nearby = view.paint_centres(graph, line.rows, view.columns(line.n))[1] > PAINTED
+    beside = feature_along(line.rows, centre, view, graph, ON_LINE) < UNPAINTED
+    return float(beside[nearby].mean()) if nearby.any() else 0.0
 
 
 def _roughness(

@@ -96,13 +96,13 @@ def _as_paint(
 ) -> Judged | None:
     """Return a candidate with the evidence of paint, None without.
 
-    Of one that is too steep or leaves its paint, but is paint by all else, the nearer half, if that has
+    Of one that is too steep or strays from its paint, but is paint by all else, the nearer half, if that has
     enough paint for a line by itself and is brighter than kerbs are.
     """
     (line, evidence), selection, bend = candidate, config.lane_selection, view.axis.curvature
     if is_paint(line, evidence, selection, bend):
         return candidate
-    if not is_paint(line, replace(evidence, slope=0.0, deviation=0.0), selection, bend):
+    if not is_paint(line, replace(evidence, slope=0.0, astray=0.0), selection, bend):
         return None
     half = near_half(line, view, graph, config.path_search.blank_cost)
     if half is None or half.score < selection.score_alone:

@@ -12,7 +12,7 @@ from lane_dp_ros.core.config import LaneSelectionConfig
 from lane_dp_ros.core.data import LaneEvidence, LaneLine
 
 BREADTH_MAX = 1.0  # contrast of a 0.45 m band over that of a 0.15 m one; more is a verge or a light patch
-DEVIATION_MAX = 0.125  # m; paint farther aside is of other things: a post behind a crest, a kerb, a streak
+ASTRAY_MAX = 0.1  # share of the paint; a line that passes beside more is drawn through several things
 HEADROOM_MIN = 0.1  # share of what is left up to white; in glare paint can be no brighter than that
 SLOPE_PER_BEND = 7.0  # m; how much steeper lines may be on a bend, whose curvature is known roughly only
 
@@ -40,7 +40,7 @@ def is_paint(line: LaneLine, evidence: LaneEvidence, config: LaneSelectionConfig
         and not evidence.height > config.height_max  # nor is NaN, an unknown height
         and not _is_kerb(evidence)
         and evidence.slope <= config.slope_max + SLOPE_PER_BEND * abs(bend)
-        and evidence.deviation <= DEVIATION_MAX
+        and evidence.astray <= ASTRAY_MAX
         and evidence.roughness <= config.roughness_max
         and line.s[0] <= config.start_max
     )

@@ -9,7 +9,6 @@ from lane_dp_ros.core import lane_evidence, lane_selection
 from lane_dp_ros.core.config import LaneSelectionConfig
 
 CENTRE = 1.025  # m
-NEAR, LENGTH = 4.0, 20.0  # m; of the drawn roads
 LIMITS = LaneSelectionConfig()
 
 
@@ -112,16 +111,15 @@ def test_slope_is_the_steepest_lateral_over_forward(painted_road, evidence_of):
     assert evidence_of(painted_road().line(CENTRE)).slope == 0
 
 
-@pytest.mark.parametrize(("aside", "rows"), [(0.2, 20), (0.2, 4)], ids=["a quarter of it", "a twentieth"])
-def test_deviation_is_how_far_nine_tenths_of_the_paint_lie_aside(painted_road, evidence_of, aside, rows):
-    """80 rows, of which the farthest lie aside; a few of them do not count."""
-    far = NEAR + LENGTH - rows * 0.25
-    road = painted_road().line(lambda s: CENTRE + aside * (s > far))
-    assert evidence_of(road).deviation == pytest.approx(aside if rows > 8 else 0, abs=0.01)
+@pytest.mark.parametrize(("aside", "astray"), [(0.25, 0.25), (0.05, 0.0), (0.6, 0.0)], ids=str)
+def test_astray_is_the_share_of_the_paint_that_a_line_passes_beside(painted_road, evidence_of, aside, astray):
+    """The farthest 5 m of 20 lie aside; paint that is too far off is none of the line's."""
+    road = painted_road().line(lambda s: CENTRE + aside * (s > 19))
+    assert evidence_of(road).astray == pytest.approx(astray, abs=0.02)
 
 
-def test_without_paint_nothing_deviates(painted_road, evidence_of):
-    assert evidence_of(painted_road()).deviation == 0
+def test_where_there_is_no_paint_no_line_is_astray(painted_road, evidence_of):
+    assert evidence_of(painted_road()).astray == 0
 
 
 def test_roughness_is_texture_over_brightness_on_the_smoother_side(painted_road, evidence_of):

@@ -8,7 +8,7 @@ import pytest
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.data import RoadPicture
 from lane_dp_ros.core.lane_search import LaneSearch, search_lanes
-from lane_dp_ros.core.lane_selection import DEVIATION_MAX
+from lane_dp_ros.core.lane_selection import ASTRAY_MAX
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import RoadAxis, RoadSurface
 from lane_dp_ros.core.stopwatch import Stopwatch
@@ -177,11 +177,11 @@ def test_of_a_line_that_leads_astray_the_nearer_half_is_kept(one_line, paint, ke
     assert all(line.s[-1] < 20 for line, _ in found.lanes)
 
 
-def test_of_a_line_that_leaves_its_paint_the_nearer_half_is_kept(one_line):
+def test_of_a_line_that_strays_from_its_paint_the_nearer_half_is_kept(one_line):
     """Something else begins 0.5 m aside where it ends: no smooth curve lies on both."""
     found = one_line(lambda z: 1.7 + 0.5 * (z > 20))
     longest, evidence = max(found.candidates, key=lambda each: each[0].length)
     assert longest.s[-1] > 25
-    assert evidence.deviation > DEVIATION_MAX and evidence.slope < DetectorConfig().lane_selection.slope_max
+    assert evidence.astray > ASTRAY_MAX and evidence.slope < DetectorConfig().lane_selection.slope_max
     assert offsets_of(found) == pytest.approx([1.7], abs=0.02)
     assert all(line.s[-1] <= 20 for line, _ in found.lanes)

@@ -19,7 +19,7 @@ GOOD = LaneEvidence(
     height=0.0,
     step=0.0,
     slope=0.02,
-    deviation=0.02,
+    astray=0.02,
     roughness=0.05,
     contrast=0.5,
     headroom=0.5,
@@ -71,7 +71,7 @@ def test_good_evidence_makes_a_lane():
         ("breadth", lane_selection.BREADTH_MAX, lane_selection.BREADTH_MAX + 0.01),
         ("height", CONFIG.height_max, CONFIG.height_max + 0.01),
         ("slope", CONFIG.slope_max, CONFIG.slope_max + 0.01),
-        ("deviation", lane_selection.DEVIATION_MAX, lane_selection.DEVIATION_MAX + 0.01),
+        ("astray", lane_selection.ASTRAY_MAX, lane_selection.ASTRAY_MAX + 0.01),
         ("roughness", CONFIG.roughness_max, CONFIG.roughness_max + 0.01),
     ],
 )
