@@ -54,10 +54,11 @@ class Session:
     """How many messages came, by topic."""
 
 
-def run_session(reader: BagReader, writer: BagWriter, log: Path) -> Session:
+def run_session(reader: BagReader, writer: BagWriter, log: Path, rate: float = 1.0) -> Session:
     """Play a bag into a new lane_detector process and record its `lanes`, `ipm/image` and `overlay/image`.
 
-    All take place in a namespace of their own: nothing reaches other nodes of this machine or network.
+    The bag is played `rate` times as fast as it was recorded. All take place in a namespace of their own:
+    nothing reaches other nodes of this machine or network.
     What the process prints goes to `log`. Raises CommandError when the node does not come up or ends early.
     """
     namespace = f"/lane_dp_demo_{os.getpid()}"
@@ -69,7 +70,7 @@ def run_session(reader: BagReader, writer: BagWriter, log: Path) -> Session:
         with _spinning(node):
             player = BagPlayer(node, reader)
             _wait_until_connected(node, player, process, log)
-            player.play(on_sent=lambda raw: session.sent_ns.update({raw.time_ns: time.monotonic_ns()}))
+            player.play(rate, lambda raw: session.sent_ns.update({raw.time_ns: time.monotonic_ns()}))
             _wait_for_answers(session)
             _check_alive(process, log)
     return session

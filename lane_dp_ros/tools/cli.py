@@ -88,11 +88,16 @@ def _add_demo(commands: argparse._SubParsersAction) -> None:
     command.add_argument(
         "-o", "--output", type=Path, default=Path("demo"), metavar="DIR", help="where to write, default: demo"
     )
+    _add_rate(command)
     command.set_defaults(command=_demo)
 
 
 def _demo(arguments: argparse.Namespace) -> None:
-    demo.run_demo(arguments.output, _ros_module("detector_session"))
+    demo.run_demo(arguments.output, _ros_module("detector_session"), arguments.rate)
+
+
+def _add_rate(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--rate", type=_positive, default=1.0, help="speed, 2 is twice as fast; default: 1")
 
 
 def _add_play(commands: argparse._SubParsersAction) -> None:
@@ -100,7 +105,7 @@ def _add_play(commands: argparse._SubParsersAction) -> None:
     epilog = "--ros-args ... is passed on to ROS"
     command = commands.add_parser("play", help=text, description=text, epilog=epilog)
     command.add_argument("bag", type=Path, metavar="BAG", help="bag folder, .mcap or .db3 file")
-    command.add_argument("--rate", type=_positive, default=1.0, help="speed, 2 is twice as fast; default: 1")
+    _add_rate(command)
     command.add_argument("--loop", action="store_true", help="start again at the end, until Ctrl-C")
     command.set_defaults(command=_play)
 

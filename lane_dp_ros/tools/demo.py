@@ -31,8 +31,8 @@ Image8 = NDArray[np.uint8]
 class SessionModule(Protocol):
     """`lane_dp_ros.ros.detector_session`, which needs ROS and so is handed in."""
 
-    def run_session(self, reader: BagReader, writer: BagWriter, log: Path) -> Any:
-        """Play `reader` into a lane_detector process, record its answers."""
+    def run_session(self, reader: BagReader, writer: BagWriter, log: Path, rate: float) -> Any:
+        """Play `reader` into a lane_detector process, `rate` times as fast as it was; record its answers."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +53,19 @@ class Result:
         )
 
 
-def run_demo(folder: Path, session_module: SessionModule) -> None:
+def run_demo(folder: Path, session_module: SessionModule, rate: float) -> None:
     """Render, play, record; write road.mcap, lanes.mcap, overlay.png, ipm.png to `folder`; print a summary.
+
+    It is played `rate` times as fast as it was driven: slower where the machine is.
 
     Raises CommandError when the node does not come up, answers nothing, or finds no lane.
     """
     road, answers, log = folder / "road.mcap", folder / "lanes.mcap", folder / "lane_detector.log"
     with BagWriter(road, force=True) as writer:
         _render(writer)
-    print(f"{road}: {FRAMES} rendered stereo pairs, now played into lane_detector at {RATE:g} Hz")
+    print(f"{road}: {FRAMES} rendered stereo pairs, now played into lane_detector at {RATE * rate:g} Hz")
     with BagReader(road) as reader, BagWriter(answers, force=True) as writer:
-        session = session_module.run_session(reader, writer, log)
+        session = session_module.run_session(reader, writer, log, rate)
         if not session.answers:
             raise CommandError(f"no lanes message came from lane_detector, see {log}")
     _write_strip(answers, "/overlay/image", folder / "overlay.png", np.vstack)

@@ -20,7 +20,8 @@ from lane_dp_ros.tools.demo import FRAMES
 from lane_dp_ros.tools.errors import CommandError
 
 ROOT = Path(__file__).resolve().parents[2]
-DEMO = [sys.executable, "-m", "lane_dp_ros.tools.cli", "demo"]
+RATE = 0.25  # slow enough for any machine, or other tests beside it: how fast it is, benchmarks tell
+DEMO = [sys.executable, "-m", "lane_dp_ros.tools.cli", "demo", "--rate", str(RATE)]
 
 
 def detectors_of(process: subprocess.Popen) -> list[int]:
@@ -58,11 +59,13 @@ def demo(tmp_path_factory) -> tuple[Path, str]:
 
 def test_summary(demo) -> None:
     _, printed = demo
-    pattern = r"(\d+) of (\d+) pairs answered, ([\d.]+) lanes per frame, latency \d+ ms .* frames/s"
-    answered, pairs, lanes = re.search(pattern, printed).groups()
+    pattern = r"(\d+) of (\d+) pairs answered, ([\d.]+) lanes per frame, latency \d+ ms .* ([\d.]+) frames/s"
+    answered, pairs, lanes, rate = re.search(pattern, printed).groups()
     assert int(pairs) == FRAMES
     assert int(answered) >= 0.9 * FRAMES
     assert 1.5 < float(lanes) < 3.5
+    assert "played into lane_detector at 2.5 Hz" in printed
+    assert float(rate) < 3
 
 
 def test_lanes_and_pictures_are_recorded(demo) -> None:
