@@ -35,6 +35,7 @@ from lane_dp_ros.tools.summary import summarise
 
 ROUNDS = 2  # through all of them, at most
 STEP_COST = 0.0005  # of the objective; the drives are few, what gains less is chance
+THINNED = 3  # of the drive without paint, whose pairs follow one another, each third is varied
 VARIED = ", varied"  # name of a drive's pairs in a mirror or at other exposures; never judged
 STEREO_DRIVES = (  # first and last number of the frames; no mapping to raw drives comes with them
     ("7-13 (junctions)", 7, 13),
@@ -161,11 +162,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def to_vary(pairs: Sequence[JudgedPair]) -> list[JudgedPair]:
-    """Return the pairs that are judged in a mirror and at other exposures, too.
-
-    Of the drive without paint, whose pairs follow one another, each third.
-    """
-    return [pair for i, pair in enumerate(pairs) if pair.sequence != UNPAINTED or i % 3 == 0]
+    """Return the pairs that are judged in a mirror and at other exposures, too."""
+    return [pair for i, pair in enumerate(pairs) if pair.sequence != UNPAINTED or i % THINNED == 0]
 
 
 def all_but(drive: str, drives: Iterable[str]) -> list[str]:
