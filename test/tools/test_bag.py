@@ -149,14 +149,16 @@ def test_force_deletes_nothing_but_bags(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["a b", "ü", "a#b", "a?b", "a%20b"])
 def test_odd_names(tmp_path: Path, name: str) -> None:
-    assert BagReader(write_bag(tmp_path / name)).message_count() == 5
+    with BagReader(write_bag(tmp_path / name)) as reader:
+        assert reader.message_count() == 5
     path = tmp_path / "sqlite" / name
     if set("#?%") & set(name):
         with pytest.raises(CommandError, match="must be free of #"):
             write_bag(path, "sqlite3")
         assert not path.parent.exists()
     else:
-        assert BagReader(write_bag(path, "sqlite3")).message_count() == 5
+        with BagReader(write_bag(path, "sqlite3")) as reader:
+            assert reader.message_count() == 5
 
 
 def test_no_half_written_bag_is_left(tmp_path: Path) -> None:
