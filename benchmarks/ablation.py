@@ -20,17 +20,17 @@ import numpy as np
 from command_line import KNOWN_ERRORS, exit_code, parser_of
 from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
-from lane_dp_ros.core.config import DetectorConfig, LaneGraphConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneGraph, LaneLine, RoadEdges
-from lane_dp_ros.core.lane_graph import build_graph
-from lane_dp_ros.core.line_heights import LineHeights
+from lane_dp_ros.core.birdseye.paint_map import build_paint_map
+from lane_dp_ros.core.config import DetectorConfig, PaintMapConfig
+from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.road import RoadAxis
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.evaluation_text import Column, cell
+from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap, RoadEdges
+from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.text import Column, cell
 from lane_dp_ros.tools.parallel import available_cpus
-from lane_dp_ros.tools.summary import summarise
 
 CORE = "lane_dp_ros.core"
 SELECTION = f"{CORE}.lane_selection"
@@ -53,9 +53,9 @@ def yes(*_: object) -> bool:
     return True
 
 
-def graph_of_left(view: BirdsEyeView, config: LaneGraphConfig, *_: object) -> LaneGraph:
+def graph_of_left(view: BirdsEyeView, config: PaintMapConfig, *_: object) -> PaintMap:
     """Look for paint in the left image alone."""
-    return build_graph(view, config)
+    return build_paint_map(view, config)
 
 
 def as_it_is(line: LaneLine, *_: object) -> LaneLine:
@@ -98,7 +98,7 @@ ABLATIONS = (
         f"{CORE}.road_profile.STANDING": ANY}),
     Ablation("road without cross slope", {"road_profile.roll": False}),
     Ablation("road profile of each pair by itself", patches={
-        "lane_dp_ros.ros.lane_pipeline.LanePipeline._on_road": unfiltered}),
+        "lane_dp_ros.core.pipeline.LanePipeline._on_road": unfiltered}),
     Ablation("no straightening: road straight ahead", patches={
         f"{CORE}.lane_detector.road_axis": straight_ahead}),
     Ablation("the paper's dense vanishing point", {"vanishing_point.method": "dense"}),
@@ -108,11 +108,11 @@ ABLATIONS = (
     Ablation("one sample for each cell, not the mean over it", patches={
         f"{CORE}.birds_eye.SAMPLES": (1, 1)}),
     Ablation("paint looked for in the left image alone", patches={
-        f"{CORE}.lane_search.build_graph": graph_of_left}),
+        f"{CORE}.lane_search.build_paint_map": graph_of_left}),
     Ablation("no height mask", {"birds_eye.height_tolerance": 1.0}),
-    Ablation("the paper's feature: edges and grey", {"lane_graph.feature": "edges_and_grey"}),
-    Ablation("no texture normalisation", patches={f"{CORE}.lane_graph.road_texture": even_texture}),
-    Ablation("one paint width (0.15 m)", patches={f"{CORE}.lane_graph.PAINT_WIDTHS": (0.15,)}),
+    Ablation("the paper's feature: edges and grey", {"paint_map.feature": "edges_and_grey"}),
+    Ablation("no texture normalisation", patches={f"{CORE}.paint_map.road_texture": even_texture}),
+    Ablation("one paint width (0.15 m)", patches={f"{CORE}.paint_map.PAINT_WIDTHS": (0.15,)}),
     Ablation("the paper's Algorithm 2, bottom to top", {"path_search.free_ends": False}),
     Ablation("no memory of slope: bends cost nothing", patches={f"{CORE}.path_search.BEND_COST": 0.0}),
     Ablation("slope costs nothing", patches={f"{CORE}.path_search.SLOPE_COST": 0.0}),
@@ -127,9 +127,9 @@ ABLATIONS = (
     Ablation("no heights along lines", patches={f"{CORE}.lane_evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
     Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),
-    Ablation("no breadth test", patches={f"{SELECTION}.BREADTH_MAX": ANY}),
+    Ablation("no wide_band_ratio test", patches={f"{SELECTION}.WIDE_BAND_RATIO_MAX": ANY}),
     Ablation("no contrast test", {"lane_selection.contrast_min": -1.0}),
-    Ablation("contrast alone counts, in glare, too", patches={f"{SELECTION}.HEADROOM_MIN": ANY}),
+    Ablation("contrast alone counts, in glare, too", patches={f"{SELECTION}.SATURATION_CONTRAST_MIN": ANY}),
     Ablation("no signs of kerbs", patches={f"{SELECTION}.KERB_CONTRAST": -ANY}),
     Ablation("kerbs: no step test", patches={f"{SELECTION}.KERB_STEP": ANY}),
     Ablation("kerbs: no width test", patches={f"{SELECTION}.KERB_WIDTH": ANY}),
@@ -139,8 +139,8 @@ ABLATIONS = (
     Ablation("kerbs: signs count for dashes, too", patches={f"{SELECTION}.UNBROKEN": 0.0}),
     Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
     Ablation("slope test no laxer in bends", patches={f"{SELECTION}.SLOPE_PER_BEND": 0.0}),
-    Ablation("lines may pass beside their paint", patches={f"{SELECTION}.ASTRAY_MAX": ANY}),
-    Ablation("no roughness test", {"lane_selection.roughness_max": 1.0}),
+    Ablation("lines may pass beside their paint", patches={f"{SELECTION}.OFF_PAINT_FRACTION_MAX": ANY}),
+    Ablation("no roughness test", {"lane_selection.texture_max": 1.0}),
     Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
     Ablation("no mid-lane rule", patches={
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0}),
@@ -157,7 +157,7 @@ ABLATIONS = (
     }),
     Ablation("no second look for parallel lines", patches={f"{CORE}.lane_search.parallel_lines": no_lines}),
     Ablation("no tracker", {"tracking.enabled": False}),
-    Ablation("short losses not bridged", {"tracking.bridge_time": 0.0}),
+    Ablation("short losses not bridged", {"tracking.coast_time": 0.0}),
 )  # fmt: skip
 
 QUALITY = (
@@ -186,7 +186,7 @@ def check(ablations: Sequence[Ablation]) -> None:
             pass
 
 
-def row(ablation: Ablation, results: Sequence[FrameResult], kitti: frozenset[str]) -> str:
+def row(ablation: Ablation, results: Sequence[FrameScore], kitti: frozenset[str]) -> str:
     """Return a line of the table; `kitti` names the labelled frames."""
     groups = (
         [r for r in results if r.name in kitti and r.sequence != UNPAINTED],

@@ -24,12 +24,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros import scenes
 from lane_dp_ros.core.config import PRESETS, preset
-from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.tools import scenes
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.kitti import LAYOUTS, load_pairs
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.datasets.kitti import LAYOUTS, load_pairs
 
 WANTED_RATE = 20  # frames a second, default preset
 WARM_UP = 3  # frames

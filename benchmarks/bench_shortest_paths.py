@@ -25,7 +25,7 @@ from scipy.sparse.csgraph import dijkstra, floyd_warshall
 from skimage.graph import MCP, MCP_Flexible
 from tqdm import tqdm
 
-from lane_dp_ros.core.shortest_paths import shortest_paths
+from lane_dp_ros.core.dp.shortest_paths import shortest_paths
 
 K, SMOOTHNESS = 3, 2.0  # the paper's
 PAPER_SHAPE = (600, 240)

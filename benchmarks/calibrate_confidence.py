@@ -26,14 +26,14 @@ from command_line import exit_code, parser_of
 from judged_set import JudgedPair, kitti_pairs, labelled_pairs
 from numpy.typing import NDArray
 
-from lane_dp_ros.core import lanes as lanes_module
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import LaneEvidence, LaneLine
 from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lanes import lifting as lanes_module
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.reliability import Reliability, reliability
+from lane_dp_ros.core.types import LaneEvidence, LaneLine
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.evaluation.reliability import Reliability, reliability
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ PARTS = 5  # of the lines, by each number
 SMALLEST = 1e-3  # below it the logarithm of a number is that of this
 RIDGE = 1e-2  # holds the weights where lines are few
 ROUNDS = 30  # of Newton's method
-FORGETFUL = "lane_dp_ros.core.lanes._lane"  # makes a Lane of line, evidence, view, role
+FORGETFUL = "lane_dp_ros.core.lanes.lifting._lane"  # makes a Lane of line, evidence, view, role
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, one_line
 
 KNOWN_ERRORS = (CommandError, ValueError, OSError)
 

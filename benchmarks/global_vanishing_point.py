@@ -27,11 +27,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DisparityConfig, RoadProfileConfig
-from lane_dp_ros.core.disparity import dense_disparity
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.core.road_profile import fit_road_surface
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.core.road.road_profile import fit_road_surface
 
 Floats = NDArray[Any]
 Image = NDArray[np.uint8]

@@ -26,20 +26,21 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core import lane_detector, lane_search
-from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core import detector as lane_detector
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import RoadPicture
+from lane_dp_ros.core.detector import LaneDetection, LaneDetector
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadAxis
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
+from lane_dp_ros.core.lanes import search as lane_search
 from lane_dp_ros.core.parameter import Parameters
-from lane_dp_ros.core.road import RoadAxis
-from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.judging import judge, judge_unpainted
-from lane_dp_ros.tools.kitti import read_odometry
-from lane_dp_ros.tools.labelled_pairs import LabelledPair, load_pairs
-from lane_dp_ros.tools.labels import LabelledFrame
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
+from lane_dp_ros.core.types import StereoFrame
+from lane_dp_ros.tools.datasets.kitti import read_odometry
+from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
+from lane_dp_ros.tools.evaluation.labelled_pairs import LabelledPair, load_pairs
+from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 Image = NDArray[np.uint8]
 
@@ -79,10 +80,10 @@ class JudgedPair:
         detection = self.detected(config)
         if self.stamp_ns is None:
             return detection.lanes
-        answer = Answer(self.left, "", self.camera, detection, detection.lanes, right=self.right)
+        answer = FrameResult(self.left, "", self.camera, detection, detection.lanes, right=self.right)
         return pipeline.follow(answer, self.stamp_ns, config).lanes
 
-    def judged(self, lanes: tuple[Lane, ...]) -> FrameResult:
+    def judged(self, lanes: tuple[Lane, ...]) -> FrameScore:
         """Return the verdict on lanes."""
         if self.frame is None:
             return judge_unpainted(self.name, lanes, self.sequence, self.stamp_ns or 0)
@@ -151,7 +152,7 @@ class Judges:
         for pool in self._pools:
             pool.shutdown(cancel_futures=True)
 
-    def results(self, config: DetectorConfig, patches: Mapping[str, Any] | None = None) -> list[FrameResult]:
+    def results(self, config: DetectorConfig, patches: Mapping[str, Any] | None = None) -> list[FrameScore]:
         """Return the verdicts in the order of the pairs; `patches` replaces names of modules meanwhile.
 
         Raises AttributeError for a name that there is none of.
@@ -182,7 +183,7 @@ def _set_up(pairs: Sequence[JudgedPair], alone: bool) -> None:
     _memories = [Memory() for _ in pairs]
 
 
-def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameResult]:
+def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameScore]:
     results = []
     pipelines: defaultdict[str, LanePipeline] = defaultdict(LanePipeline)
     with patched(patches):
@@ -274,7 +275,7 @@ def _identity(value: Any) -> Any:
         return str(value.bit_generator.state)
     if isinstance(value, (list, tuple)):
         return tuple(_identity(each) for each in value)
-    if isinstance(value, RoadPicture):  # put together anew each time
+    if isinstance(value, StereoFrame):  # put together anew each time
         return tuple(_identity(each) for each in vars(value).values())
     if isinstance(value, (Parameters, StereoCamera, RoadAxis, bool, int, float, str, type(None))):
         return value

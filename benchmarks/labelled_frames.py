@@ -24,21 +24,21 @@ import numpy as np
 from command_line import exit_code
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import TrackingConfig
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.tracking import LaneTracker
-from lane_dp_ros.ros.conversions import camera_from_ros, stereo_images_from_ros
-from lane_dp_ros.ros.node_config import NodeConfig
-from lane_dp_ros.ros.stereo_sync import StereoSync
-from lane_dp_ros.tools import evaluate
-from lane_dp_ros.tools.answers import BagAnswers, FrameAnswer, file_answers
-from lane_dp_ros.tools.bag import BagReader
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError
+from lane_dp_ros.core.tracking.tracker import LaneTracker
+from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.conversions import camera_from_ros, stereo_images_from_ros
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
+from lane_dp_ros.messages.stereo_sync import StereoSync
+from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.evaluation import evaluate
+from lane_dp_ros.tools.evaluation.answers import BagAnswers, FrameAnswer, file_answers
+from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.parallel import available_cpus, parallel_map
-from lane_dp_ros.tools.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
-from lane_dp_ros.tools.truth import LabelledFrame
 
 Image8 = NDArray[np.uint8]
 PAINT_WIDTH = 0.12  # m; a polyline has none

@@ -27,11 +27,11 @@ from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pair
 from thresholds import THRESHOLDS, changed, shipped
 from varied_pairs import varied
 
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.evaluation import Summary
-from lane_dp_ros.tools.evaluation_text import COLUMNS_OF_FRAMES, table
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.text import COLUMNS_OF_FRAMES, table
 from lane_dp_ros.tools.parallel import available_cpus
-from lane_dp_ros.tools.summary import summarise
 
 ROUNDS = 2  # through all of them, at most
 STEP_COST = 0.0005  # of the objective; the drives are few, what gains less is chance

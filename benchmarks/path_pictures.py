@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from lane_dp_ros.core.shortest_paths import ShortestPaths, shortest_paths
+from lane_dp_ros.core.dp.shortest_paths import ShortestPaths, shortest_paths
 
 MARKERS = "osv^D*"
 POINTS_PER_COST = 0.45  # width of an edge of the toy graph: linear in its cost

@@ -20,9 +20,9 @@ from judged_set import drive_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.ros.lane_pipeline import LanePipeline
-from lane_dp_ros.tools.judging import JITTER_DEPTH
-from lane_dp_ros.tools.summary import JITTER_FRAMES, deviations
+from lane_dp_ros.core.pipeline import LanePipeline
+from lane_dp_ros.tools.evaluation.matching import JITTER_DEPTH
+from lane_dp_ros.tools.evaluation.summary import JITTER_FRAMES, deviations
 
 DRIVES = ("01", "02")
 

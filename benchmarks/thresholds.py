@@ -3,7 +3,7 @@
 """The thresholds that were chosen by looking at labelled frames, with what is physically plausible for each.
 
 A name as of "lane_selection.score_min" is a parameter, one as of "lane_selection.KERB_STEP" a constant of
-the module lane_dp_ros.core.lane_selection.
+the module lane_dp_ros.core.lanes.selection.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.UNKNOWN_HEIGHT": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
     "lane_selection.start_max": (14.0, 20.0, 26.0),  # m
     "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
-    "lane_selection.HEADROOM_MIN": (0.05, 0.15, 0.25),
+    "lane_selection.SATURATION_CONTRAST_MIN": (0.05, 0.15, 0.25),
     "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
-    "lane_selection.ASTRAY_MAX": (0.05, 0.10, 0.15),
+    "lane_selection.OFF_PAINT_FRACTION_MAX": (0.05, 0.10, 0.15),
     "lane_selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
-    "lane_selection.KERB_HEADROOM": (0.2, 0.3, 0.4),
+    "lane_selection.KERB_SATURATION_CONTRAST": (0.2, 0.3, 0.4),
     "lane_selection.KERB_STEP": (0.06, 0.10, 0.14),  # m
     "lane_selection.RAIL_WIDTH": (0.09, 0.11, 0.13),  # m
     "lane_selection.KERB_WIDTH": (0.25, 0.30, 0.35),  # m
@@ -37,8 +37,8 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),
     "lane_selection.UNBROKEN": (4.0, 6.0, 8.0),  # m
     "lane_selection.paint_width_max": (0.26, 0.32, 0.38),  # m
-    "lane_selection.BREADTH_MAX": (0.7, 0.85, 1.0, 1.15, 1.3),
-    "lane_selection.roughness_max": (0.10, 0.15, 0.20, 0.25, 0.30),
+    "lane_selection.WIDE_BAND_RATIO_MAX": (0.7, 0.85, 1.0, 1.15, 1.3),
+    "lane_selection.texture_max": (0.10, 0.15, 0.20, 0.25, 0.30),
     "lane_selection.slope_max": (0.06, 0.10, 0.15, 0.20, 0.30),
     "lane_selection.SLOPE_PER_BEND": (0.0, 5.0, 10.0),  # m
     "lane_selection.SAME": (0.10, 0.20, 0.30),  # m
@@ -52,8 +52,8 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "stop_lines.JUNCTION": (6.0, 9.0, 12.0),  # m
     "path_search.min_score": (1.0, 1.5, 2.0, 2.5, 3.0),  # m
     "path_search.blank_cost": (0.10, 0.15, 0.20, 0.25, 0.30),
-    "lane_graph.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),
-    "lane_graph.contrast_max": (2.0, 2.5, 3.0, 3.5, 4.0),
+    "paint_map.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),
+    "paint_map.contrast_max": (2.0, 2.5, 3.0, 3.5, 4.0),
 }
 
 

@@ -21,12 +21,12 @@ from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import Value, parameters, replaced
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.evaluation import FrameResult, Summary
-from lane_dp_ros.tools.evaluation_text import Column, cell
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.evaluation.scores import FrameScore, Summary
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.text import Column, cell
 from lane_dp_ros.tools.parallel import available_cpus
-from lane_dp_ros.tools.summary import summarise
 
 TRIED: dict[str, tuple[Value, ...]] = {
     "disparity.disparity_range": (64, 256),
@@ -48,8 +48,8 @@ TRIED: dict[str, tuple[Value, ...]] = {
     "birds_eye.forward_resolution": (0.125, 0.5),
     "birds_eye.lateral_resolution": (0.025, 0.1),
     "birds_eye.height_tolerance": (0.06, 0.24),
-    "lane_graph.contrast_min": (0.18, 0.7),
-    "lane_graph.contrast_max": (1.4, 5.6),
+    "paint_map.contrast_min": (0.18, 0.7),
+    "paint_map.contrast_max": (1.4, 5.6),
     "path_search.max_paths": (6, 24),
     "path_search.suppression": (0.15, 0.6),
     "path_search.min_score": (0.75, 3.0),
@@ -57,7 +57,7 @@ TRIED: dict[str, tuple[Value, ...]] = {
     "lane_selection.paint_width_max": (0.2, 0.5),
     "lane_selection.height_max": (0.025, 0.1),
     "lane_selection.slope_max": (0.06, 0.24),
-    "lane_selection.roughness_max": (0.1, 0.4),
+    "lane_selection.texture_max": (0.1, 0.4),
     "lane_selection.contrast_min": (0.05, 0.2),
     "lane_selection.start_max": (11.0, 34.0),
     "lane_selection.score_min": (1.1, 4.4),
@@ -65,7 +65,7 @@ TRIED: dict[str, tuple[Value, ...]] = {
     "lane_selection.lane_width_min": (2.0, 3.0),
     "lane_selection.lane_width_max": (3.5, 5.5),
     "tracking.enabled": (False,),
-    "tracking.bridge_time": (0.0,),
+    "tracking.coast_time": (0.0,),
     "seed": (1, 2),
 }
 """Lower and higher values of every parameter of the default pipeline; the paper preset has some more."""
@@ -80,9 +80,9 @@ GROUPS = {"labelled frames": QUALITY, "06": (FALSE,), "suite": (*QUALITY, FALSE)
 Summaries = dict[str, Summary]
 
 
-def summaries(results: Sequence[FrameResult]) -> Summaries:
+def summaries(results: Sequence[FrameScore]) -> Summaries:
     """Return the summary of each group that was judged: scenes have a category, KITTI's frames have none."""
-    groups: dict[str, list[FrameResult]] = {name: [] for name in GROUPS}
+    groups: dict[str, list[FrameScore]] = {name: [] for name in GROUPS}
     for result in results:
         of_kitti = "06" if result.sequence == UNPAINTED else "labelled frames"
         groups["suite" if result.category else of_kitti].append(result)

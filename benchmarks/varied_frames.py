@@ -17,9 +17,9 @@ from judged_set import Judges, labelled_pairs
 from varied_pairs import GAMMAS, exposed, mirrored
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.tools.evaluation_text import COLUMNS_OF_FRAMES, table
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.text import COLUMNS_OF_FRAMES, table
 from lane_dp_ros.tools.parallel import available_cpus
-from lane_dp_ros.tools.summary import summarise
 
 
 def run(arguments: argparse.Namespace) -> None:

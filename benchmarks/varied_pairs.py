@@ -12,8 +12,8 @@ import numpy as np
 from judged_set import Image, JudgedPair
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.tools.labels import Label, LabelledFrame
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 
 GAMMAS = (0.7, 1.4)  # brighter and darker: what cameras differ by
 

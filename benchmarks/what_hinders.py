@@ -23,8 +23,8 @@ from judged_set import JudgedPair, Judges, kitti_pairs, labelled_pairs
 from thresholds import THRESHOLDS, changed
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.evaluation import FrameResult
+from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.parallel import available_cpus
 
 Change = tuple[DetectorConfig, Mapping[str, Any]]
@@ -38,7 +38,7 @@ def extremes() -> Iterator[tuple[str, Change]]:
                 yield f"{name} {value:g}", changed({name: value})
 
 
-def not_found(result: FrameResult) -> list[str]:
+def not_found(result: FrameScore) -> list[str]:
     """Return the ids of the labels that had to be found and were not."""
     found = {match.label for match in result.found}
     return [label for label in result.labels if label not in found]
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> None:
         before = {result.name: result for result in judges.results(DetectorConfig())}
     failing = [pair for pair in pairs if not_found(before[pair.name])]
     changes = list(extremes())
-    after: dict[str, dict[str, FrameResult]] = {pair.name: {} for pair in failing}
+    after: dict[str, dict[str, FrameScore]] = {pair.name: {} for pair in failing}
     with Judges(failing, arguments.jobs, alone=True) as judges:
         for name, change in progress(iter(changes), len(changes), "change"):
             for result in judges.results(*change):

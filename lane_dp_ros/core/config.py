@@ -94,7 +94,7 @@ class BirdsEyeConfig(Parameters):
 
 
 @dataclass(frozen=True)
-class LaneGraphConfig(Parameters):
+class PaintMapConfig(Parameters):
     """How much each cell of the bird's-eye view looks like paint, f in [0, 1]; its cost is 1 - f."""
 
     feature: str = parameter(
@@ -116,7 +116,7 @@ class LaneGraphConfig(Parameters):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _check_order(self, "lane_graph", "contrast_min", "contrast_max")
+        _check_order(self, "paint_map", "contrast_min", "contrast_max")
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ class LaneSelectionConfig(Parameters):
     slope_max: float = parameter(
         0.11, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
     )
-    roughness_max: float = parameter(
+    texture_max: float = parameter(
         0.2, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
     )
     contrast_min: float = parameter(
@@ -204,7 +204,7 @@ class TrackingConfig(Parameters):
     """Lines over time."""
 
     enabled: bool = parameter(True, "Smooth lines, bridge short losses, steady the axis; else give ids only.")
-    bridge_time: float = parameter(
+    coast_time: float = parameter(
         0.5, "How long a lost line is published where it must be by now.", unit="s", limits=(0.0, 0.5)
     )
 
@@ -217,7 +217,7 @@ class DetectorConfig(Parameters):
     road_profile: RoadProfileConfig = field(default_factory=RoadProfileConfig)
     vanishing_point: VanishingPointConfig = field(default_factory=VanishingPointConfig)
     birds_eye: BirdsEyeConfig = field(default_factory=BirdsEyeConfig)
-    lane_graph: LaneGraphConfig = field(default_factory=LaneGraphConfig)
+    paint_map: PaintMapConfig = field(default_factory=PaintMapConfig)
     path_search: PathSearchConfig = field(default_factory=PathSearchConfig)
     lane_model: LaneModelConfig = field(default_factory=LaneModelConfig)
     lane_selection: LaneSelectionConfig = field(default_factory=LaneSelectionConfig)
@@ -234,7 +234,7 @@ PAPER: dict[str, Value] = {
     "birds_eye.near": 0.0,
     "birds_eye.width": 12.0,
     "birds_eye.forward_resolution": 1 / 15,
-    "lane_graph.feature": "edges_and_grey",
+    "paint_map.feature": "edges_and_grey",
     "path_search.free_ends": False,
     "path_search.suppression": 1.0,
     "lane_model.model": "parabola",

@@ -19,9 +19,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
+from lane_dp_ros.messages.bag import BagReader, RawMessage
+from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.ros.start_errors import START_ERRORS, start_reason
-from lane_dp_ros.tools.bag import BagReader, RawMessage
-from lane_dp_ros.tools.errors import CommandError
 
 DEPTH = 100  # messages that wait for a reliable subscription that is slower than the bag
 DISCOVERY_TIMEOUT = 5.0  # s

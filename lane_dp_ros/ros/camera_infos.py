@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from lane_dp_ros.ros.stereo_sync import NS_PER_S, SIDES, Side
+from lane_dp_ros.messages.stereo_sync import NS_PER_S, SIDES, Side
 
 SETTLING = 1.0  # s that a change on one side waits for the other side's
 

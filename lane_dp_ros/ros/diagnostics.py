@@ -13,7 +13,7 @@ from enum import Enum
 
 import numpy as np
 
-from lane_dp_ros.core.self_check import UNCHECKED, Verdict
+from lane_dp_ros.core.monitoring.calibration_monitor import UNCHECKED, CalibrationStatus
 
 WINDOW = 5.0  # s; rate, latency and seconds per stage are those of the last frames, not of the whole run
 SILENT_AFTER = 2.0  # s without a message
@@ -48,7 +48,7 @@ class FrameReport:
     problem: str = ""
     note: str = ""
     failed: bool = False
-    check: Verdict = UNCHECKED
+    check: CalibrationStatus = UNCHECKED
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ class Health:
         }
 
 
-def _calibration_values(check: Verdict) -> dict[str, str]:
+def _calibration_values(check: CalibrationStatus) -> dict[str, str]:
     change = None if check.width_change is None else 1000 * check.width_change
     return {
         "lane width [m]": _number(check.lane_width, 2),

@@ -28,18 +28,18 @@ from rclpy.utilities import try_shutdown
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from visualization_msgs.msg import MarkerArray
 
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline, one_line
+from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
+from lane_dp_ros.messages.dds_profile import use_dds_profile
+from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
+from lane_dp_ros.messages.stereo_sync import NS_PER_S, SIDES, Side, StereoPair, StereoSync
 from lane_dp_ros.ros.camera_infos import CameraInfos
-from lane_dp_ros.ros.conversions import image_to_ros, lanes_to_ros
-from lane_dp_ros.ros.dds_profile import use_dds_profile
 from lane_dp_ros.ros.diagnostics import Counts, FrameReport, Health, Level, Topics
-from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline, one_line
-from lane_dp_ros.ros.messages import rclpy_message
-from lane_dp_ros.ros.newest_first import NewestFirst
-from lane_dp_ros.ros.node_config import NodeConfig
 from lane_dp_ros.ros.parameters import LiveParameters
+from lane_dp_ros.ros.rclpy_message import rclpy_message
 from lane_dp_ros.ros.start_errors import START_ERRORS, start_reason
-from lane_dp_ros.ros.stereo_sync import NS_PER_S, SIDES, Side, StereoPair, StereoSync
-from lane_dp_ros.tools.draw import draw_birds_eye, draw_overlay
+from lane_dp_ros.ros.worker import LatestOnlyWorker
 
 LOG_PERIOD = 5.0  # s; the same complaint is logged no more often
 REPORT_PERIOD = 1.0  # s
@@ -85,7 +85,7 @@ class LaneDetectorNode(Node):
         self._subscribe_to_images()
         # Not the node's clock: under use_sim_time that stands still when the input does.
         self.create_timer(REPORT_PERIOD, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self._worker = NewestFirst(self._work)
+        self._worker = LatestOnlyWorker(self._work)
 
     def destroy_node(self) -> None:
         """End the worker thread, then the node."""
@@ -179,7 +179,7 @@ class LaneDetectorNode(Node):
         self._publish_pictures(answer, header)
         return _frame_report(answer, now, now - arrived)
 
-    def _publish_pictures(self, answer: Answer, header: Any) -> None:
+    def _publish_pictures(self, answer: FrameResult, header: Any) -> None:
         """Draw and publish the pictures that somebody looks at."""
         if answer.camera is not None and self._overlay.get_subscription_count():
             picture = draw_overlay(answer.left, answer.lanes, answer.camera)
@@ -233,7 +233,7 @@ def _nanoseconds(seconds: float) -> int:
     return round(seconds * NS_PER_S)
 
 
-def _frame_report(answer: Answer, now: float, latency: float) -> FrameReport:
+def _frame_report(answer: FrameResult, now: float, latency: float) -> FrameReport:
     detection = answer.detection
     road = detection and detection.road
     return FrameReport(

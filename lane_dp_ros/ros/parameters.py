@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from lane_dp_ros.core.parameter import Parameter, Value
-from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs, is_of_ros
+from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs, is_of_ros
 
 
 def descriptor(spec: Parameter) -> ParameterDescriptor:

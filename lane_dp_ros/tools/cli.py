@@ -15,15 +15,17 @@ from pathlib import Path
 from types import FrameType, ModuleType
 
 from lane_dp_ros.core.config import PRESETS
-from lane_dp_ros.ros.dds_profile import use_dds_profile
-from lane_dp_ros.ros.node_config import all_parameters
-from lane_dp_ros.tools import convert, demo, evaluate, kitti, offline, tables
-from lane_dp_ros.tools.bag import STORAGES, BagReader, BagWriter
-from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.messages.bag import STORAGES, BagReader, BagWriter
+from lane_dp_ros.messages.dds_profile import use_dds_profile
+from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.node_config import all_parameters
+from lane_dp_ros.review import command as review
+from lane_dp_ros.scenes import command as scenes
+from lane_dp_ros.tools import demo, offline
+from lane_dp_ros.tools.datasets import convert, kitti
+from lane_dp_ros.tools.evaluation import evaluate, tables
 from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.parameter_file import parameter_file
-from lane_dp_ros.tools.review import command as review
-from lane_dp_ros.tools.scenes import command as scenes
 
 KNOWN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143  # exit codes; the last two as the shell has them
 

@@ -13,12 +13,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.ros.conversions import image_from_ros, lanes_from_ros
-from lane_dp_ros.tools import scenes
-from lane_dp_ros.tools.bag import BagReader, BagWriter
-from lane_dp_ros.tools.bag_message import typestore
-from lane_dp_ros.tools.convert import StereoBagWriter, progress
-from lane_dp_ros.tools.errors import CommandError
+from lane_dp_ros import scenes
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.messages.bag_message import typestore
+from lane_dp_ros.messages.conversions import image_from_ros, lanes_from_ros
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.datasets.convert import StereoBagWriter, progress
 
 FRAMES, RATE, SEED = 30, 10.0, 7  # three seconds of road, at KITTI's rate [Hz]
 STRIP = 4  # frames in a picture
@@ -29,7 +29,7 @@ Image8 = NDArray[np.uint8]
 
 
 class SessionModule(Protocol):
-    """`lane_dp_ros.ros.detector_session`, which needs ROS and so is handed in."""
+    """`lane_dp_ros.ros.demo_session`, which needs ROS and so is handed in."""
 
     def run_session(self, reader: BagReader, writer: BagWriter, log: Path, rate: float) -> Any:
         """Play `reader` into a lane_detector process, `rate` times as fast as it was; record its answers."""

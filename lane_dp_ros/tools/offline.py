@@ -15,18 +15,18 @@ from pathlib import Path
 import numpy as np
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.ros.conversions import image_to_ros, lanes_to_ros
-from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline, detect_pair, one_line
-from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs, is_of_ros
-from lane_dp_ros.ros.stereo_sync import SIDES, StereoSync
-from lane_dp_ros.tools.bag import BagReader, BagWriter
-from lane_dp_ros.tools.bag_message import bag_message
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.draw import draw_birds_eye, draw_overlay
-from lane_dp_ros.tools.errors import CommandError
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline, detect_pair, one_line
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.messages.bag_message import bag_message
+from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs, is_of_ros
+from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
+from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
+from lane_dp_ros.messages.stereo_sync import SIDES, StereoSync
+from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.parameter_file import read_parameter_file
-from lane_dp_ros.tools.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 
 
 def load_config(preset: str, path: Path | None) -> tuple[NodeConfig, DetectorConfig]:
@@ -55,7 +55,7 @@ class Summary:
     elapsed: float = 0.0
     jobs: int = 1
 
-    def add(self, answer: Answer | str) -> None:
+    def add(self, answer: FrameResult | str) -> None:
         """Count one pair, or the reason why it could not be read."""
         if isinstance(answer, str):
             self.problems[answer] += 1
@@ -97,7 +97,7 @@ def detect_bag(
     start = time.perf_counter()
     with answered(pairs, detector, jobs) as answers:
         for bag_pair, answer in progress(answers, total, "pair"):
-            if isinstance(answer, Answer):
+            if isinstance(answer, FrameResult):
                 _write_answer(writer, topics.namespace, bag_pair, answer, node.lane_lifetime)
             summary.add(answer)
     summary.elapsed, summary.jobs = time.perf_counter() - start, jobs
@@ -111,7 +111,7 @@ def detect_bag(
 @contextmanager
 def answered(
     pairs: Iterable[BagPair], config: DetectorConfig, jobs: int = 1
-) -> Iterator[Iterator[tuple[BagPair, Answer | str]]]:
+) -> Iterator[Iterator[tuple[BagPair, FrameResult | str]]]:
     """Open an iterator over the pairs with their answers, tracked, from `jobs` processes, in order.
 
     A str in place of an answer says why the pair cannot be read. The detections come without disparity, graph
@@ -121,7 +121,7 @@ def answered(
         yield _followed(detected, config)
 
 
-def _detected(config: DetectorConfig, bag_pair: BagPair) -> Answer | str:
+def _detected(config: DetectorConfig, bag_pair: BagPair) -> FrameResult | str:
     try:
         answer = detect_pair(bag_pair.pair, bag_pair.infos, config)
     except Exception as error:  # noqa: BLE001 - as in the node: one bad frame must not end the run
@@ -134,17 +134,17 @@ def _detected(config: DetectorConfig, bag_pair: BagPair) -> Answer | str:
 
 
 def _followed(
-    detected: Iterable[tuple[BagPair, Answer | str]], config: DetectorConfig
-) -> Iterator[tuple[BagPair, Answer | str]]:
+    detected: Iterable[tuple[BagPair, FrameResult | str]], config: DetectorConfig
+) -> Iterator[tuple[BagPair, FrameResult | str]]:
     pipeline = LanePipeline()
     for bag_pair, answer in detected:
-        if isinstance(answer, Answer):
+        if isinstance(answer, FrameResult):
             answer = pipeline.follow(answer, bag_pair.pair.stamp_ns, config)  # noqa: PLW2901
         yield bag_pair, answer
 
 
 def _write_answer(
-    writer: BagWriter, namespace: str, bag_pair: BagPair, answer: Answer, lifetime: float
+    writer: BagWriter, namespace: str, bag_pair: BagPair, answer: FrameResult, lifetime: float
 ) -> None:
     header, time_ns = bag_pair.pair.left.header, bag_pair.time_ns
     lanes = lanes_to_ros(answer.lanes, header, bag_message, lifetime)

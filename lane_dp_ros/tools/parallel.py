@@ -17,7 +17,7 @@ from typing import TypeVar
 
 import cv2
 
-from lane_dp_ros.tools.errors import CommandError
+from lane_dp_ros.messages.errors import CommandError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

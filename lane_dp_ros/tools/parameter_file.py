@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from lane_dp_ros.core.parameter import Parameter, Value
-from lane_dp_ros.tools.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, one_line
 
 WIDTH = 110
 

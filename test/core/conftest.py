@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
-from lane_dp_ros.tools.scenes import Road, ScenePair, render_pair
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.scenes import Road, ScenePair, render_pair
 
 SHAPE = (300, 640)  # rows, columns of the drawn pictures
 ASPHALT, PAINT = 90, 200  # grey levels

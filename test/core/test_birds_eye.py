@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.birds_eye import birds_eye_view, right_view
+from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view, right_view
 from lane_dp_ros.core.config import BirdsEyeConfig
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.geometry.camera import StereoCamera
 
 # KITTI odometry, sequence 02, calib.txt: P2 and P3, the colour cameras; both P[0,3] are not zero.
 P2 = np.array([

@@ -4,14 +4,14 @@
 
 import pytest
 
-from lane_dp_ros.core.birds_eye import _grid
+from lane_dp_ros.core.birdseye.birds_eye import _grid
 from lane_dp_ros.core.config import PRESETS, DetectorConfig, DisparityConfig, RoadProfileConfig, preset
 from lane_dp_ros.core.parameter import parameters, replaced
 
 ALL = parameters(DetectorConfig())
 PAPER = {  # section V and VI of the paper; resolution and band as in the authors' program
-    "lane_graph.feature": "edges_and_grey",
-    "lane_graph.edge_weight": 0.6,
+    "paint_map.feature": "edges_and_grey",
+    "paint_map.edge_weight": 0.6,
     "path_search.smoothness": 2.0,
     "path_search.neighbours": 3,
     "path_search.suppression": 1.0,
@@ -67,8 +67,8 @@ def test_an_unknown_preset_is_refused():
     [
         ({"disparity.P1": 500, "disparity.P2": 500}, "disparity.P2: got 500, expected more than P1 = 500"),
         (
-            {"lane_graph.contrast_min": 2.8},
-            "lane_graph.contrast_max: got 2.8, expected more than contrast_min = 2.8",
+            {"paint_map.contrast_min": 2.8},
+            "paint_map.contrast_max: got 2.8, expected more than contrast_min = 2.8",
         ),
         (
             {"lane_selection.lane_width_min": 3.0, "lane_selection.lane_width_max": 2.5},

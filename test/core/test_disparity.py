@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DisparityConfig
-from lane_dp_ros.core.disparity import dense_disparity
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import parameters
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.tools.scenes import CAMERA
+from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
 

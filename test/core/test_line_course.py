@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.line_course import Course, common_axis, first_axis, surface_change
-from lane_dp_ros.core.road import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.tracking.frenet_line import FrenetLine, common_axis, first_axis, surface_change
 
 AXES = {
     "ahead": RoadAxis(),
@@ -29,14 +29,14 @@ def line(axis, n, s=S, down=1.65):
 
 def test_points_come_back(axis):
     points = line(axis, -3.5)
-    assert Course.of(points, axis).points(axis) == pytest.approx(points, abs=1e-9)
+    assert FrenetLine.of(points, axis).points(axis) == pytest.approx(points, abs=1e-9)
     other = RoadAxis(axis.heading + 0.05, axis.curvature + 0.005)
-    assert Course.of(points, other).points(other) == pytest.approx(points, abs=1e-9)
+    assert FrenetLine.of(points, other).points(other) == pytest.approx(points, abs=1e-9)
 
 
 @pytest.mark.parametrize("n", [-5.25, 0.0, 3.5])
 def test_a_concentric_line_has_the_axis_direction(axis, n):
-    course = Course.of(line(axis, n), axis)
+    course = FrenetLine.of(line(axis, n), axis)
     assert course.offsets(axis) == pytest.approx(n)
     assert course.place(axis) == pytest.approx(n)
     assert course.strays(axis) == pytest.approx(0, abs=1e-9)
@@ -45,7 +45,7 @@ def test_a_concentric_line_has_the_axis_direction(axis, n):
 def test_the_place_is_that_in_most_rows_of_the_picture():
     """Half of the rows from 5 to 24.75 m are those up to 8.3 m."""
     half = 2 / (1 / S[0] + 1 / S[-1])
-    course = Course(S, np.where(half > S, 1.0, 3.0), S)
+    course = FrenetLine(S, np.where(half > S, 1.0, 3.0), S)
     assert course.place(RoadAxis()) == pytest.approx(2.0, abs=0.1)
 
 
@@ -65,33 +65,33 @@ def test_the_axis_of_next_to_nothing_is_straight_ahead(lines):
 def test_an_axis_bends_no_more_than_a_road():
     """A line that runs off at right angles."""
     z = np.linspace(5, 6, 20)
-    found = common_axis([Course(z, 30 * (z - 5), np.ones(20))])
+    found = common_axis([FrenetLine(z, 30 * (z - 5), np.ones(20))])
     assert abs(found.heading) <= 0.8
     assert abs(found.curvature) <= 0.06
 
 
 def test_side():
-    a, b = Course(S, 0.1 * S + 1, S), Course(S[40:], 0.1 * S[40:] + 1.4, S[40:])
+    a, b = FrenetLine(S, 0.1 * S + 1, S), FrenetLine(S[40:], 0.1 * S[40:] + 1.4, S[40:])
     assert a.aside(b) == pytest.approx(-0.4)
     assert b.aside(a) == pytest.approx(0.4)
 
 
 def test_a_part_of_less_than_3_m_is_not_compared():
-    near, far = Course(S[:40], S[:40], S[:40]), Course(S[30:], S[30:], S[30:])
+    near, far = FrenetLine(S[:40], S[:40], S[:40]), FrenetLine(S[30:], S[30:], S[30:])
     assert len(near.aside(far)) > 0
-    assert len(Course(S[:10], S[:10], S[:10]).aside(Course(S[50:], S[50:], S[50:]))) == 0
+    assert len(FrenetLine(S[:10], S[:10], S[:10]).aside(FrenetLine(S[50:], S[50:], S[50:]))) == 0
     assert near.within(far) is None
 
 
 def test_moving_onto_another_line_keeps_the_bend():
     wave = 0.05 * np.sin(S / 2)
-    seen = Course(S, wave, np.ones_like(S))
-    moved = seen.onto(Course(S[8:], 0.3 + 0.01 * S[8:] + wave[8:], np.ones_like(S[8:])))
+    seen = FrenetLine(S, wave, np.ones_like(S))
+    moved = seen.onto(FrenetLine(S[8:], 0.3 + 0.01 * S[8:] + wave[8:], np.ones_like(S[8:])))
     assert moved.y[8:] == pytest.approx(0.3 + 0.01 * S[8:] + wave[8:], abs=0.01)
     assert moved.y[:8] - wave[:8] == pytest.approx(
         moved.y[8] - wave[8], abs=0.005
     )  # beyond it, as at its end
-    assert seen.onto(Course(S + 100, S, S)) is seen
+    assert seen.onto(FrenetLine(S + 100, S, S)) is seen
 
 
 @pytest.mark.parametrize("slide", [(0.01, 0.0), (0.0, 0.001), (-0.01, 0.0005)])
@@ -99,15 +99,15 @@ def test_points_slide_along_their_rays(axis, slide):
     """Where every point is farther off by a part of its distance, that of s ahead being larger."""
     points = line(axis, -3.5)
     farther = points * (1 + slide[0] + slide[1] * S)[:, None]
-    expected, slid = Course.of(farther, axis), Course.of(points, axis).slid(np.array(slide), axis)
+    expected, slid = FrenetLine.of(farther, axis), FrenetLine.of(points, axis).slid(np.array(slide), axis)
     assert np.interp(slid.s[5:-5], expected.s, expected.offsets(axis)) == pytest.approx(
         slid.offsets(axis)[5:-5], abs=0.01
     )
 
 
 def test_the_surface_moves_as_under_the_lines():
-    before = [Course(S, np.full_like(S, y), np.full_like(S, 1.65)) for y in (-2.0, 2.0)]
-    now = [Course(c.s, c.y, c.down - 0.03 + 0.004 * c.s + 0.002 * c.y) for c in before]
+    before = [FrenetLine(S, np.full_like(S, y), np.full_like(S, 1.65)) for y in (-2.0, 2.0)]
+    now = [FrenetLine(c.s, c.y, c.down - 0.03 + 0.004 * c.s + 0.002 * c.y) for c in before]
     change = surface_change(zip(before, now, strict=True))
     assert change == pytest.approx([-0.03, 0.004, 0.002], abs=0.01)
     lowered = before[0].lowered(change)

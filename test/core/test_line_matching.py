@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from lane_dp_ros.core.line_course import Course
-from lane_dp_ros.core.line_matching import agreement, match_in_order, shared_rows, strayed
+from lane_dp_ros.core.tracking.association import agreement, match_in_order, shared_rows, strayed
+from lane_dp_ros.core.tracking.frenet_line import FrenetLine
 
 S = np.arange(5.0, 25.0, 0.25)
 
@@ -54,7 +54,7 @@ def test_nothing_matches_nothing(shape):
 
 def line(y, s=S):
     """Return the course of a line with that y [m], a function of s or a number."""
-    return Course(s, y(s) if callable(y) else np.full_like(s, y), np.full_like(s, 1.65))
+    return FrenetLine(s, y(s) if callable(y) else np.full_like(s, y), np.full_like(s, 1.65))
 
 
 def test_shared_rows_are_those_of_the_picture():

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
 
 pytestmark = pytest.mark.filterwarnings("error")
 

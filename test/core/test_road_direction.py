@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DisparityConfig, VanishingPointConfig
-from lane_dp_ros.core.data import RoadEdges
-from lane_dp_ros.core.disparity import dense_disparity
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
-from lane_dp_ros.core.road_direction import road_axis
-from lane_dp_ros.core.road_edges import road_edges
-from lane_dp_ros.tools.scenes import CAMERA
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.road.arc_vanishing_point import road_axis
+from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.core.road.edge_pixels import road_edges
+from lane_dp_ros.core.types import RoadEdges
+from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
 

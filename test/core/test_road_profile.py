@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DisparityConfig, RoadProfileConfig
-from lane_dp_ros.core.disparity import dense_disparity
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.core.road_profile import fit_road_surface, v_disparity, v_disparity_path
-from lane_dp_ros.tools.scenes import CAMERA
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.core.road.road_profile import fit_road_surface, v_disparity, v_disparity_path
+from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
 

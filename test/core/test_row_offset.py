@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DisparityConfig
-from lane_dp_ros.core.disparity import dense_disparity
-from lane_dp_ros.core.row_offset import row_offset
-from lane_dp_ros.tools.scenes import CAMERA
+from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
+from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -25,7 +25,7 @@ def pattern(shift=0.0, turn=0.0):
 
 def offset(right, disparity=0.0, left=None):
     left = pattern() if left is None else left
-    return row_offset(left, right, np.full(SHAPE, disparity, np.float32), CAMERA)
+    return vertical_disparity(left, right, np.full(SHAPE, disparity, np.float32), CAMERA)
 
 
 @pytest.mark.parametrize(("shift", "turn"), [(0.0, 0.0), (0.4, 0.0), (-0.3, 0.0), (0.0, 0.5), (0.2, -0.6)])
@@ -61,7 +61,7 @@ def offset_of(scene):
         size = pair.right.shape[::-1]
         right = cv2.warpAffine(pair.right, turn, size, borderMode=cv2.BORDER_REPLICATE)
         disparity = dense_disparity(pair.left, right, CAMERA, DisparityConfig())
-        return row_offset(pair.left, right, disparity, CAMERA)
+        return vertical_disparity(pair.left, right, disparity, CAMERA)
 
     return offset_of
 
@@ -84,7 +84,7 @@ def test_a_rotated_camera_shows(offset_of, degrees):
 
 def test_nothing_to_see_tells_nothing(awkward_image, awkward_disparity, awkward_camera):
     disparity = np.full(awkward_image.shape, awkward_disparity, np.float32)
-    found = row_offset(awkward_image, awkward_image, disparity, awkward_camera)
+    found = vertical_disparity(awkward_image, awkward_image, disparity, awkward_camera)
     assert found is None or np.all(np.isfinite(found))
     even = np.zeros_like(awkward_image)
-    assert row_offset(even, even, disparity, awkward_camera) is None
+    assert vertical_disparity(even, even, disparity, awkward_camera) is None

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.runs import runs_of
+from lane_dp_ros.core.birdseye.paint_profile import runs_of
 
 
 @pytest.mark.parametrize(

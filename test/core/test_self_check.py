@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
-from lane_dp_ros.core.road_filter import surface_of
-from lane_dp_ros.core.row_offset import RowOffset
-from lane_dp_ros.core.self_check import SelfCheck, Sight, lane_gaps
-from lane_dp_ros.tools.scenes import CAMERA, Road, render_pair
+from lane_dp_ros.core.monitoring.calibration_monitor import CalibrationMonitor, Observation, lane_gaps
+from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
+from lane_dp_ros.core.tracking.road_filter import surface_of
+from lane_dp_ros.scenes import CAMERA, Road, render_pair
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -33,12 +33,14 @@ def road(height=1.65, pitch=0.0, curvature=0.0):
 
 
 def sight(*lanes, surface=None, rows=None):
-    return Sight(0, surface or road(), lanes or (lane(-1.75), lane(1.75)), rows and RowOffset(*rows))
+    return Observation(
+        0, surface or road(), lanes or (lane(-1.75), lane(1.75)), rows and VerticalDisparity(*rows)
+    )
 
 
 def watch(sights, seconds=4.0, check=None, start=0, nominal=NOMINAL):
     """Return the verdict on a sight, seen again and again, or on what a function of the number returns."""
-    check = check or SelfCheck()
+    check = check or CalibrationMonitor()
     for i in range(round(seconds * 10) + 1):
         seen = sights(i) if callable(sights) else sights
         verdict = check.update(replace(seen, stamp_ns=start + i * STEP), nominal)
@@ -112,7 +114,7 @@ WIDTHS = "is a principal point wrong, or a camera turned sideways?"
             f"The camera looks down on the road by 0.080 rad, expected 0.000 rad: {PITCH}",
         ),
         (
-            Sight(0),
+            Observation(0),
             "Are left and right swapped, a camera covered, or the cameras rotated against each other?",
         ),
     ],
@@ -144,7 +146,7 @@ def test_hills_say_nothing_of_heights_and_widths():
 
 
 def test_another_calibration_begins_anew():
-    check = SelfCheck()
+    check = CalibrationMonitor()
     assert watch(sight(surface=road(height=2.0)), check=check).complaint
     other = RoadSurface.plane(replace(CAMERA, baseline=0.5), 1.65, 0.0)
     assert watch(sight(surface=road(height=2.0)), 1.0, check, 41 * STEP, other).complaint == ""
@@ -152,7 +154,7 @@ def test_another_calibration_begins_anew():
 
 @pytest.mark.parametrize("start", [0, 60 * STEP])
 def test_a_jump_of_time_begins_anew(start):
-    check = SelfCheck()
+    check = CalibrationMonitor()
     assert watch(sight(surface=road(height=2.0)), check=check).complaint
     assert watch(sight(surface=road(height=2.0)), 1.0, check, start).complaint == ""
 
@@ -182,6 +184,6 @@ def pair():
 def test_a_rendered_road_seen_through_a_wrong_camera(pair, wrong, complaint):
     camera = replace(CAMERA, **wrong)
     found = LaneDetector(camera).detect(pair.left, pair.right)
-    verdict = watch(Sight(0, found.road, found.lanes), nominal=RoadSurface.plane(camera, 1.65, 0.0))
+    verdict = watch(Observation(0, found.road, found.lanes), nominal=RoadSurface.plane(camera, 1.65, 0.0))
     assert verdict.complaint.startswith(complaint)
     assert bool(verdict.complaint) == bool(complaint)

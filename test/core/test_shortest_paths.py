@@ -14,8 +14,8 @@ from hypothesis.extra import numpy as npst
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from lane_dp_ros.core import shortest_paths as module
-from lane_dp_ros.core.shortest_paths import ShortestPaths, shortest_paths
+from lane_dp_ros.core.dp import shortest_paths as module
+from lane_dp_ros.core.dp.shortest_paths import ShortestPaths, shortest_paths
 
 INF = np.inf
 

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from lane_dp_ros.core import smooth_paths as module
-from lane_dp_ros.core.smooth_paths import free_paths, segment_gain
+from lane_dp_ros.core.dp import free_end_paths as module
+from lane_dp_ros.core.dp.free_end_paths import free_paths, segment_gain
 
 INF = np.inf
 

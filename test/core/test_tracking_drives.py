@@ -9,7 +9,7 @@ import pytest
 
 from lane_dp_ros.core.config import TrackingConfig
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.tracking import LaneTracker
+from lane_dp_ros.core.tracking.tracker import LaneTracker
 
 FRAME = 100_000_000  # ns: 10 Hz
 STEP = 1.5  # m a frame: 15 m/s
@@ -176,9 +176,9 @@ def test_the_unseen_line_turns_with_the_seen_ones():
     assert error(lanes[2], drive.line(2, 19)) > 0.2
 
 
-@pytest.mark.parametrize(("bridge_time", "frames"), [(0.5, 5), (0.3, 3), (0.0, 0)])
-def test_no_line_is_bridged_for_longer_than_the_bridge_time(bridge_time, frames):
-    tracker, _ = after(DRIVES["straight"], 20, TrackingConfig(bridge_time=bridge_time))
+@pytest.mark.parametrize(("coast_time", "frames"), [(0.5, 5), (0.3, 3), (0.0, 0)])
+def test_no_line_is_bridged_for_longer_than_the_bridge_time(coast_time, frames):
+    tracker, _ = after(DRIVES["straight"], 20, TrackingConfig(coast_time=coast_time))
     found = [len(tracker.update(DRIVES["straight"].lanes(k)[:2], k * FRAME)) for k in range(20, 30)]
     assert found == [3] * frames + [2] * (10 - frames)
 
@@ -267,10 +267,10 @@ def test_a_line_found_on_the_paint_of_another_stays_where_it_is(frames):
     assert error(lanes[1], TWO_YELLOW.line(1, 9)) < 0.01
 
 
-@pytest.mark.parametrize(("bridge_time", "frames"), [(0.5, 5), (0.2, 2), (0.0, 0)])
-def test_what_is_found_long_enough_is_believed(bridge_time, frames):
+@pytest.mark.parametrize(("coast_time", "frames"), [(0.5, 5), (0.2, 2), (0.0, 0)])
+def test_what_is_found_long_enough_is_believed(coast_time, frames):
     """Where the paint of the second line now joins the first, it is published there at last."""
-    tracker, _ = after(TWO_YELLOW, 3, TrackingConfig(bridge_time=bridge_time))
+    tracker, _ = after(TWO_YELLOW, 3, TrackingConfig(coast_time=coast_time))
     stays = []
     for k in range(3, 12):
         found = begins_on_the_next(k)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.core.data import VanishingPoint
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
-from lane_dp_ros.core.road_edges import road_edges
-from lane_dp_ros.core.vanishing_point import dense_vanishing_point, pitch_and_yaw, vanishing_point_of
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.road.edge_pixels import road_edges
+from lane_dp_ros.core.road.vanishing_point import dense_vanishing_point, pitch_and_yaw, vanishing_point_of
+from lane_dp_ros.core.types import VanishingPoint
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -15,7 +15,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.ros.conversions import (
+from lane_dp_ros.messages.conversions import (
     ENCODINGS,
     camera_from_ros,
     compressed_image_from_ros,
@@ -25,7 +25,7 @@ from lane_dp_ros.ros.conversions import (
     lanes_to_ros,
     stereo_images_from_ros,
 )
-from lane_dp_ros.ros.messages import rclpy_message
+from lane_dp_ros.ros.rclpy_message import rclpy_message
 
 HEADER = Header(stamp=Time(sec=12, nanosec=345), frame_id="left_optical")
 RNG = np.random.default_rng(1)

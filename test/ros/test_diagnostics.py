@@ -4,7 +4,7 @@
 
 import pytest
 
-from lane_dp_ros.core.self_check import Verdict
+from lane_dp_ros.core.monitoring.calibration_monitor import CalibrationStatus
 from lane_dp_ros.ros.diagnostics import Counts, FrameReport, Health, Level, Topics
 
 TOPICS = Topics(images=("/l", "/r"), infos=("/li", "/ri"))
@@ -110,7 +110,7 @@ def test_a_silent_camera_and_what_serves_instead_are_one_sentence():
     assert message == "Nothing comes on /r: no right image"
 
 
-DOUBT = Verdict(3.51, 0.0071, -2.74, 0.12, -0.31, "Is the calibration wrong?")
+DOUBT = CalibrationStatus(3.51, 0.0071, -2.74, 0.12, -0.31, "Is the calibration wrong?")
 
 
 def test_a_doubtful_calibration_is_a_warning_with_its_numbers():

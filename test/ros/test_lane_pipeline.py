@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane_detector import LaneDetector
+from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline
-from lane_dp_ros.tools.truth import load_truth
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
+from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
 PAIRS = range(10, 18)
 HATCHED = 16  # by itself this pair's hatching is taken for the direction of the road
@@ -33,7 +33,7 @@ def answers(kitti_data, camera):
             for side in ("image_0", "image_1")
         )
         detection = LaneDetector(camera).detect(left, right)
-        found.append(Answer(left, "", camera, detection, detection.lanes, right=right))
+        found.append(FrameResult(left, "", camera, detection, detection.lanes, right=right))
     return found
 
 

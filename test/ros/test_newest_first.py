@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from lane_dp_ros.ros.newest_first import NewestFirst
+from lane_dp_ros.ros.worker import LatestOnlyWorker
 
 
 class Gate:
@@ -29,7 +29,7 @@ def gate():
 
 
 def test_while_one_is_in_work_only_the_newest_waits(gate):
-    worker = NewestFirst(gate)
+    worker = LatestOnlyWorker(gate)
     worker.offer(1)
     assert gate.started.acquire(timeout=10)
     for item in (2, 3, 4):
@@ -41,7 +41,7 @@ def test_while_one_is_in_work_only_the_newest_waits(gate):
 
 
 def test_items_that_come_one_by_one_are_all_done(gate):
-    worker = NewestFirst(gate)
+    worker = LatestOnlyWorker(gate)
     gate.go_on.release(20)
     for item in range(1, 21):
         worker.offer(item)
@@ -51,7 +51,7 @@ def test_items_that_come_one_by_one_are_all_done(gate):
 
 
 def test_close_ends_the_work_at_hand_and_leaves_what_waits(gate):
-    worker = NewestFirst(gate)
+    worker = LatestOnlyWorker(gate)
     worker.offer(1)
     assert gate.started.acquire(timeout=10)
     worker.offer(2)

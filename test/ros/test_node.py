@@ -9,8 +9,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, Image
 
-from lane_dp_ros.ros.conversions import image_from_ros
-from lane_dp_ros.tools.scenes import CAMERA, SIZE
+from lane_dp_ros.messages.conversions import image_from_ros
+from lane_dp_ros.scenes import CAMERA, SIZE
 
 OK, WARN = b"\x00", b"\x01"
 

@@ -11,7 +11,7 @@ import pytest
 from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
 
-from lane_dp_ros.tools.scenes import CAMERA, SIZE
+from lane_dp_ros.scenes import CAMERA, SIZE
 
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo
 
-from lane_dp_ros.tools.scenes import CAMERA, SIZE
+from lane_dp_ros.scenes import CAMERA, SIZE
 
 OK, WARN = b"\x00", b"\x01"
 

@@ -7,7 +7,7 @@ from rclpy.parameter import Parameter
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import parameters
-from lane_dp_ros.ros.node_config import NodeConfig, all_parameters, configs
+from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs
 
 
 def set_one(rig, name, value):

@@ -5,7 +5,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.ros.stereo_sync import StereoSync
+from lane_dp_ros.messages.stereo_sync import StereoSync
 
 MS = 1_000_000
 

@@ -11,24 +11,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_detector import LaneDetector
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.ros.lane_pipeline import Answer, LanePipeline
-from lane_dp_ros.tools import kitti
-from lane_dp_ros.tools.evaluation import Summary
-from lane_dp_ros.tools.judging import judge
-from lane_dp_ros.tools.summary import summarise
-from lane_dp_ros.tools.truth import load_truth
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
+from lane_dp_ros.tools.datasets import kitti
+from lane_dp_ros.tools.evaluation.matching import judge
+from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 
 from steady_lines import DRIVES, jitters
 
 Frames = list[tuple[int, tuple[Lane, ...]]]  # stamp [ns] and lanes
-Answers = list[tuple[int, Answer]]
+Answers = list[tuple[int, FrameResult]]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def detected(kitti_data) -> Callable[[str], tuple[StereoCamera, Answers]]:
 
         def answer(pair):
             detection = detector.detect(pair.left, pair.right)
-            return Answer(pair.left, "", camera, detection, detection.lanes, right=pair.right)
+            return FrameResult(pair.left, "", camera, detection, detection.lanes, right=pair.right)
 
         return camera, [(pair.stamp_ns, answer(pair)) for pair in pairs]
 

@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.bag import BagWriter
-from lane_dp_ros.tools.convert import StereoBagWriter
-from lane_dp_ros.tools.kitti import StereoImages
-from lane_dp_ros.tools.scenes import CAMERA, ScenePair, render_sequence
+from lane_dp_ros.messages.bag import BagWriter
+from lane_dp_ros.scenes import CAMERA, ScenePair, render_sequence
+from lane_dp_ros.tools.datasets.convert import StereoBagWriter
+from lane_dp_ros.tools.datasets.kitti import StereoImages
 
 FLAGS = (
     "--headless",

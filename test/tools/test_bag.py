@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.bag import STORAGES, BagReader, BagWriter, bag_message
-from lane_dp_ros.tools.errors import CommandError
+from lane_dp_ros.messages.bag import STORAGES, BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.errors import CommandError
 
 IMAGE = "sensor_msgs/msg/Image"
 

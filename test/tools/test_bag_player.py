@@ -20,9 +20,9 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from rosbags.rosbag2 import Writer
 from sensor_msgs.msg import CameraInfo, Image
 
+from lane_dp_ros.messages.bag import BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.ros.bag_player import play
-from lane_dp_ros.tools.bag import BagReader, BagWriter, bag_message
-from lane_dp_ros.tools.errors import CommandError
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = [sys.executable, "-m", "lane_dp_ros.tools.cli", "play"]
@@ -192,7 +192,7 @@ def test_without_a_subscription_it_warns_and_plays(write_stereo_bag, small_pairs
 
 @pytest.mark.parametrize("given", ["", "/my/own.xml"])
 def test_it_takes_the_users_dds_profile_or_else_the_packages(given: str) -> None:
-    code = "from lane_dp_ros.ros.dds_profile import *; use_dds_profile(); print(os.environ[VARIABLE])"
+    code = "from lane_dp_ros.messages.dds_profile import *; use_dds_profile(); print(os.environ[VARIABLE])"
     environment = {**os.environ, "FASTRTPS_DEFAULT_PROFILES_FILE": given}
     command = [sys.executable, "-c", code]
     result = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)

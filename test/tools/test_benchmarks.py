@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core import lane_selection
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lanes import selection as lane_selection
 from lane_dp_ros.core.parameter import parameters, replaced
-from lane_dp_ros.tools.evaluation import Summary
-from lane_dp_ros.tools.scenes.scene import CAMERA, Motion, Scene, render_frame
+from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
+from lane_dp_ros.tools.evaluation.scores import Summary
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 
@@ -59,9 +59,9 @@ def test_every_change_of_the_ablation_is_possible():
 @pytest.mark.parametrize(
     ("change", "error"),
     [
-        (ablation.Ablation("a", {"lane_graph.colour": 1}), ValueError),
+        (ablation.Ablation("a", {"paint_map.colour": 1}), ValueError),
         (ablation.Ablation("a", {"path_search.suppression": 100.0}), ValueError),
-        (ablation.Ablation("a", patches={"lane_dp_ros.core.lane_graph.COLOUR": 1}), AttributeError),
+        (ablation.Ablation("a", patches={"lane_dp_ros.core.birdseye.paint_map.COLOUR": 1}), AttributeError),
         (ablation.Ablation("a", patches={"lane_dp_ros.core.gone.COLOUR": 1}), (AttributeError, ImportError)),
     ],
 )
@@ -78,7 +78,7 @@ def test_a_row_has_a_cell_under_each_head(pairs):
 
 
 def test_processes_answer_as_the_detector_does_with_names_replaced_or_not(pairs):
-    blind = {"lane_dp_ros.core.path_search.FREE_PASSES": 0}
+    blind = {"lane_dp_ros.core.lanes.path_search.FREE_PASSES": 0}
     with judged_set.Judges(pairs, jobs=2) as judges:
         seen, nothing = judges.results(DetectorConfig()), judges.results(DetectorConfig(), blind)
         again = judges.results(DetectorConfig())
@@ -103,8 +103,8 @@ def test_what_is_remembered_changes_no_verdict(pairs):
 def test_what_is_remembered_does_not_hide_a_constant(pairs):
     memory = judged_set.Memory()
     counts = []
-    for breadth in (thresholds.shipped("lane_selection.BREADTH_MAX"), -1e9):
-        config, patches = thresholds.changed({"lane_selection.BREADTH_MAX": breadth})
+    for wide_band_ratio in (thresholds.shipped("lane_selection.WIDE_BAND_RATIO_MAX"), -1e9):
+        config, patches = thresholds.changed({"lane_selection.WIDE_BAND_RATIO_MAX": wide_band_ratio})
         with judged_set.patched(patches), memory.in_use():
             counts.append(len(pairs[0].detected(config).lanes))
     assert counts == [3, 0]
@@ -120,7 +120,7 @@ def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
         return real(*arguments)
 
     dense_disparity.__module__ = real.__module__
-    with patch("lane_dp_ros.core.lane_detector.dense_disparity", dense_disparity):
+    with patch("lane_dp_ros.core.detector.dense_disparity", dense_disparity):
         for value in (1.0, 2.0):
             with memory.in_use():
                 pairs[0].detected(replaced(DetectorConfig(), {"lane_selection.score_min": value}))
@@ -172,7 +172,7 @@ def test_evidence_is_remembered_by_the_pictures_that_it_comes_from(pairs):
         return real(line, *others)
 
     line_evidence.__module__ = real.__module__
-    with patch("lane_dp_ros.core.lane_search.line_evidence", line_evidence):
+    with patch("lane_dp_ros.core.lanes.search.line_evidence", line_evidence):
         counts = []
         for values in ({}, {"lane_selection.score_min": 2.0}, {"disparity.P1": 500}):
             with memory.in_use():
@@ -327,7 +327,7 @@ def test_each_threshold_is_tried_at_both_limits_that_go_with_the_others():
     tried = dict(what_hinders.extremes())
     assert len(tried) > 20
     assert tried["path_search.min_score 1"][0].path_search.min_score == 1.0
-    assert tried["lane_selection.KERB_STEP 0.06"][1] == {"lane_dp_ros.core.lane_selection.KERB_STEP": 0.06}
+    assert tried["lane_selection.KERB_STEP 0.06"][1] == {"lane_dp_ros.core.lanes.selection.KERB_STEP": 0.06}
 
 
 def test_a_label_that_is_not_found_is_named(pairs):

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.bag import BagReader
+from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.tools.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,11 +13,11 @@ from pathlib import Path
 import cv2
 import pytest
 
-from lane_dp_ros.ros import detector_session
-from lane_dp_ros.ros.conversions import lanes_from_ros
-from lane_dp_ros.tools.bag import BagReader, BagWriter
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.messages.conversions import lanes_from_ros
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.ros import demo_session as detector_session
 from lane_dp_ros.tools.demo import FRAMES
-from lane_dp_ros.tools.errors import CommandError
 
 ROOT = Path(__file__).resolve().parents[2]
 RATE = 0.25  # slow enough for any machine, or other tests beside it: how fast it is, benchmarks tell

@@ -7,12 +7,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.birds_eye import birds_eye_view
-from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
 from lane_dp_ros.core.config import BirdsEyeConfig
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
-from lane_dp_ros.tools.draw import PIXELS_PER_METRE, draw_birds_eye, draw_overlay
+from lane_dp_ros.messages.pictures import PIXELS_PER_METRE, draw_birds_eye, draw_overlay
 
 HEIGHT = 1.65  # m, the camera above the road
 CAMERA = StereoCamera(fx=720.0, fy=720.0, cx=620.0, cy=180.0, baseline=0.54)

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.ros.conversions import lanes_to_ros
-from lane_dp_ros.tools.bag import BagReader, BagWriter
-from lane_dp_ros.tools.bag_message import bag_message
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.messages.bag_message import bag_message
+from lane_dp_ros.messages.conversions import lanes_to_ros
+from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.convert import time_message
-from lane_dp_ros.tools.scenes import CAMERA
-from lane_dp_ros.tools.truth import Label, LabelledFrame, save_truth
+from lane_dp_ros.tools.datasets.convert import time_message
+from lane_dp_ros.tools.evaluation.truth_file import Label, LabelledFrame, save_truth
 
 HEIGHT = 1.65
 SECOND = 1_000_000_000

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.literature import CULane, TuSimple, culane, tusimple, tusimple_rows
+from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple, culane, tusimple, tusimple_rows
 
 ROWS = np.arange(100.0, 200.0, 10.0)  # ten
 

@@ -16,7 +16,7 @@ for package in (lane_dp_ros.core, lane_dp_ros.tools):
 roots = {name.partition(".")[0] for name in sys.modules}
 ros = [name for name in roots if name.endswith("_msgs") or name.startswith(("rcl", "rosidl", "ament"))]
 print(*ros)
-print("lane_dp_ros.core.lane_detector" in sys.modules, "lane_dp_ros.tools.demo" in sys.modules)
+print("lane_dp_ros.core.detector" in sys.modules, "lane_dp_ros.tools.demo" in sys.modules)
 """
 
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.ros.conversions import image_from_ros, lanes_from_ros
-from lane_dp_ros.tools.bag import BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.bag import BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.conversions import image_from_ros, lanes_from_ros
+from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.scenes import CAMERA
 
 OUTPUTS = ("lanes", "ipm/image", "overlay/image", "left/camera_info", "right/camera_info")
 

@@ -8,7 +8,7 @@ import signal
 
 import pytest
 
-from lane_dp_ros.tools.errors import CommandError
+from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.parallel import available_cpus, parallel_map
 
 PID = "__import__('os').getpid()"

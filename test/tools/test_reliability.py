@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.tools.evaluation import Detection, FrameResult
-from lane_dp_ros.tools.evaluation_text import as_json, tables
-from lane_dp_ros.tools.reliability import reliability
+from lane_dp_ros.tools.evaluation.reliability import reliability
+from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
+from lane_dp_ros.tools.evaluation.text import as_json, tables
 
 
 def frame(*lines):
     """A frame of lines (confidence, verdict)."""
     points = np.array([[0.0, 1.6, 6.0], [0.0, 1.6, 20.0]])
     lanes = [(Lane(points, confidence, 0.15, "other", 0.0, 0.0), verdict) for confidence, verdict in lines]
-    return FrameResult("a/0", "a", "", None, tuple(Detection(lane, verdict) for lane, verdict in lanes))
+    return FrameScore("a/0", "a", "", None, tuple(JudgedLine(lane, verdict) for lane, verdict in lanes))
 
 
 RESULTS = [

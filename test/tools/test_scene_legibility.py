@@ -7,19 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road
-from lane_dp_ros.tools.scenes.course import Course
-from lane_dp_ros.tools.scenes.lane_truth import lane_labels
-from lane_dp_ros.tools.scenes.legibility import legible
-from lane_dp_ros.tools.scenes.light import Light
-from lane_dp_ros.tools.scenes.rendering import render
-from lane_dp_ros.tools.scenes.road import SOLID, UNPAINTED, Line
-from lane_dp_ros.tools.scenes.sensor import Sensor, expose
-from lane_dp_ros.tools.scenes.vehicles import Vehicle
-from lane_dp_ros.tools.scenes.view import Pose, View
+from lane_dp_ros.scenes import CAMERA, SIZE, Road
+from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.lane_truth import lane_labels
+from lane_dp_ros.scenes.light import Light
+from lane_dp_ros.scenes.rendering import render
+from lane_dp_ros.scenes.road import SOLID, UNPAINTED, Line
+from lane_dp_ros.scenes.sensor import Sensor, expose
+from lane_dp_ros.scenes.vehicles import Vehicle
+from lane_dp_ros.scenes.view import Pose, View
+from lane_dp_ros.scenes.visibility import legible
 
 ROAD = Road(swing=0, pitch=0.0, lines=(UNPAINTED, UNPAINTED, SOLID))
-VIEW = View(CAMERA, SIZE, Course(ROAD, 0.0), Pose(), 0.0, 1, 0.0)
+VIEW = View(CAMERA, SIZE, FrenetLine(ROAD, 0.0), Pose(), 0.0, 1, 0.0)
 S = np.arange(5.0, 30.0, 0.5)
 DEPTHS = CAMERA.fy * 1.65 / np.maximum(np.arange(SIZE[1]) - CAMERA.cy, 1)  # [m] of the picture's rows
 
@@ -77,7 +77,7 @@ def test_what_is_hidden_is_not_seen():
 
 
 def labels_of(road, light=None, things=(), sensor=None):
-    view = replace(VIEW, course=Course(road, 100.0))
+    view = replace(VIEW, course=FrenetLine(road, 100.0))
     seen_light, surface = render(view, light or Light(), things)
     picture = expose(seen_light, view, sensor or Sensor(), np.random.default_rng(0))
     return lane_labels(view, surface, picture)[0]

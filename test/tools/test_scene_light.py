@@ -6,20 +6,20 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.scenes import gloss, lamps, shadows
-from lane_dp_ros.tools.scenes.barriers import GuardRail, Posts
-from lane_dp_ros.tools.scenes.condition_categories import CONDITION_CATEGORIES
-from lane_dp_ros.tools.scenes.course import Course
-from lane_dp_ros.tools.scenes.ground import draw_ground
-from lane_dp_ros.tools.scenes.light import Light, shade
-from lane_dp_ros.tools.scenes.objects import composite
-from lane_dp_ros.tools.scenes.road import Road
-from lane_dp_ros.tools.scenes.scene import CAMERA, SIZE
-from lane_dp_ros.tools.scenes.sensor import Sensor, expose
-from lane_dp_ros.tools.scenes.structures import Bridge, Island
-from lane_dp_ros.tools.scenes.surface import Surface
-from lane_dp_ros.tools.scenes.vehicles import LORRY, VAN, Vehicle
-from lane_dp_ros.tools.scenes.view import Pose, View
+from lane_dp_ros.scenes import lamps, shadows, specular
+from lane_dp_ros.scenes.barriers import GuardRail, Posts
+from lane_dp_ros.scenes.condition_categories import CONDITION_CATEGORIES
+from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.ground import draw_ground
+from lane_dp_ros.scenes.light import Light, shade
+from lane_dp_ros.scenes.objects import composite
+from lane_dp_ros.scenes.road import Road
+from lane_dp_ros.scenes.scene import CAMERA, SIZE
+from lane_dp_ros.scenes.sensor import Sensor, expose
+from lane_dp_ros.scenes.structures import Bridge, Island
+from lane_dp_ros.scenes.surface import Surface
+from lane_dp_ros.scenes.vehicles import LORRY, VAN, Vehicle
+from lane_dp_ros.scenes.view import Pose, View
 
 pytestmark = pytest.mark.filterwarnings("error")
 STRAIGHT = Road(swing=0, pitch=0.0)
@@ -28,7 +28,7 @@ FLAT = np.full((120, 160, 3), 0.25, np.float32)
 
 
 def a_view(eye=0.0, road=STRAIGHT, position=HERE):
-    return View(CAMERA, SIZE, Course(road, position), Pose(0.0, road.pitch, 0.0), eye, seed=1, time=0.0)
+    return View(CAMERA, SIZE, FrenetLine(road, position), Pose(0.0, road.pitch, 0.0), eye, seed=1, time=0.0)
 
 
 def ground(view, *objects):
@@ -153,7 +153,7 @@ def test_a_glint_lies_under_the_sun_in_both_cameras():
     wide = Road(swing=0, pitch=0.0, shoulder=20.0)
     for view in (a_view(road=wide), a_view(CAMERA.baseline, wide)):
         towards = Light(elevation=15.0, azimuth=8.0).towards_sun(0.0).astype(np.float32)
-        share = gloss.sun_glint(ground(view), view, slice(200, 300), towards, 0.3)
+        share = specular.sun_glint(ground(view), view, slice(200, 300), towards, 0.3)
         columns.append(cv2.GaussianBlur(share, (0, 0), 40).sum(axis=0).argmax())
     assert columns[0] == pytest.approx(CAMERA.cx + CAMERA.fx * np.tan(np.deg2rad(8)), abs=30)
     assert columns[1] == pytest.approx(columns[0], abs=12)  # the ground's disparity is up to 40 px here

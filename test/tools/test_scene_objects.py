@@ -6,18 +6,18 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.scenes.barriers import Grass, GuardRail, Posts
-from lane_dp_ros.tools.scenes.course import Course
-from lane_dp_ros.tools.scenes.faces import NEAREST, Face, Picture, hides, see
-from lane_dp_ros.tools.scenes.light import Light, shade
-from lane_dp_ros.tools.scenes.objects import at, composite, hidden, things_in_sight
-from lane_dp_ros.tools.scenes.road import Road
-from lane_dp_ros.tools.scenes.scene import CAMERA, SIZE
-from lane_dp_ros.tools.scenes.sensor import Sensor, expose
-from lane_dp_ros.tools.scenes.structures import Bridge, Island
-from lane_dp_ros.tools.scenes.surface import Surface
-from lane_dp_ros.tools.scenes.vehicles import CAR, LORRY, VAN, Vehicle
-from lane_dp_ros.tools.scenes.view import Pose, View
+from lane_dp_ros.scenes.barriers import Grass, GuardRail, Posts
+from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.faces import NEAREST, Face, Picture, hides, see
+from lane_dp_ros.scenes.light import Light, shade
+from lane_dp_ros.scenes.objects import at, composite, hidden, things_in_sight
+from lane_dp_ros.scenes.road import Road
+from lane_dp_ros.scenes.scene import CAMERA, SIZE
+from lane_dp_ros.scenes.sensor import Sensor, expose
+from lane_dp_ros.scenes.structures import Bridge, Island
+from lane_dp_ros.scenes.surface import Surface
+from lane_dp_ros.scenes.vehicles import CAR, LORRY, VAN, Vehicle
+from lane_dp_ros.scenes.view import Pose, View
 
 pytestmark = pytest.mark.filterwarnings("error")
 STRAIGHT = Road(swing=0, pitch=0.0)
@@ -26,7 +26,7 @@ HERE = 100.0  # [m] along the road
 
 def a_view(eye=0.0, road=STRAIGHT, position=HERE, time=0.0):
     pose = Pose(0.0, road.pitch, 0.0)
-    return View(CAMERA, SIZE, Course(road, position), pose, eye, seed=1, time=time)
+    return View(CAMERA, SIZE, FrenetLine(road, position), pose, eye, seed=1, time=time)
 
 
 def drawn(view, *objects):

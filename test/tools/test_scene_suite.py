@@ -6,22 +6,22 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.scenes import CAMERA, SIZE, Road
+from lane_dp_ros.scenes.categories import CATEGORIES
+from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.lane_truth import lane_labels
+from lane_dp_ros.scenes.light import Light
+from lane_dp_ros.scenes.marking_categories import MARKING_CATEGORIES
+from lane_dp_ros.scenes.rendering import render
+from lane_dp_ros.scenes.road import DASHED, SOLID, UNPAINTED, Line
+from lane_dp_ros.scenes.scene import Motion, Scene, render_frame
+from lane_dp_ros.scenes.sensor import Sensor, expose
+from lane_dp_ros.scenes.suite import Drive, drives
+from lane_dp_ros.scenes.view import Pose, View
 from lane_dp_ros.tools import cli
-from lane_dp_ros.tools.bag import BagReader
-from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road
-from lane_dp_ros.tools.scenes.categories import CATEGORIES
-from lane_dp_ros.tools.scenes.course import Course
-from lane_dp_ros.tools.scenes.lane_truth import lane_labels
-from lane_dp_ros.tools.scenes.light import Light
-from lane_dp_ros.tools.scenes.marking_categories import MARKING_CATEGORIES
-from lane_dp_ros.tools.scenes.rendering import render
-from lane_dp_ros.tools.scenes.road import DASHED, SOLID, UNPAINTED, Line
-from lane_dp_ros.tools.scenes.scene import Motion, Scene, render_frame
-from lane_dp_ros.tools.scenes.sensor import Sensor, expose
-from lane_dp_ros.tools.scenes.suite import Drive, drives
-from lane_dp_ros.tools.scenes.view import Pose, View
-from lane_dp_ros.tools.truth import load_truth
+from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -44,7 +44,7 @@ GREY = cv2.COLOR_BGR2GRAY
 
 def left_view(scene, position=None, seed=1):
     """How the left camera of a scene's first frame stands, what it sees, and its picture."""
-    course = Course(scene.road, scene.motion.start if position is None else position)
+    course = FrenetLine(scene.road, scene.motion.start if position is None else position)
     view = View(CAMERA, SIZE, course, scene.motion.pose(0.0, scene.road.pitch), 0.0, seed, 0.0)
     light, surface = render(view, scene.light, scene.objects)
     return view, surface, expose(light, view, scene.sensor, np.random.default_rng(seed))
@@ -178,7 +178,7 @@ def test_the_lines_beside_the_vehicle_change_with_the_lane():
 
 
 def test_a_camera_that_looks_aside_keeps_the_truth_on_the_road():
-    course = Course(Road(swing=0, lines=(SOLID, UNPAINTED, SOLID)), 50.0)
+    course = FrenetLine(Road(swing=0, lines=(SOLID, UNPAINTED, SOLID)), 50.0)
     view = View(CAMERA, SIZE, course, Pose(lateral=0.4, pitch=0.03, yaw=0.1), 0.0, 1, 0.0)
     light, surface = render(view, Light(), ())
     labels, _ = lane_labels(view, surface, expose(light, view, Sensor(), np.random.default_rng(1)))

@@ -9,16 +9,15 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools import tables
+from lane_dp_ros.scenes import CAMERA, Road, render_pair
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.detectors import file_detector
-from lane_dp_ros.tools.evaluation import Summary
-from lane_dp_ros.tools.judging import judge
-from lane_dp_ros.tools.labelled_pairs import load_pairs
-from lane_dp_ros.tools.papers_tables import OURS, papers_tables
-from lane_dp_ros.tools.scenes import CAMERA, Road, render_pair
-from lane_dp_ros.tools.summary import summarise
-from lane_dp_ros.tools.truth import save_truth
+from lane_dp_ros.tools.evaluation.detectors import file_detector
+from lane_dp_ros.tools.evaluation.labelled_pairs import load_pairs
+from lane_dp_ros.tools.evaluation.matching import judge
+from lane_dp_ros.tools.evaluation.papers_tables import OURS, papers_tables
+from lane_dp_ros.tools.evaluation.scores import Summary, tables
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.truth_file import save_truth
 
 DRIVE = "2011_09_26_drive_0027"
 NOON = 1317038400  # 2011-09-26 12:00:00 UTC

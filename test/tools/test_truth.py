@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from lane_dp_ros.tools.truth import load_truth, save_truth
+from lane_dp_ros.tools.evaluation.truth_file import load_truth, save_truth
 
 LANE = {
     "id": "L",

@@ -11,9 +11,9 @@ import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import parameters, replaced
-from lane_dp_ros.ros.lane_pipeline import LanePipeline
-from lane_dp_ros.tools.evaluation import Summary
-from lane_dp_ros.tools.scenes.scene import CAMERA, Motion, Scene, render_frame
+from lane_dp_ros.core.pipeline import LanePipeline
+from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
+from lane_dp_ros.tools.evaluation.scores import Summary
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 
@@ -24,7 +24,7 @@ SPECS = parameters(DetectorConfig())
 # Their other value is the paper's formula; the default pipeline reads them to know that.
 CHOICES = {
     "vanishing_point.method",
-    "lane_graph.feature",
+    "paint_map.feature",
     "path_search.free_ends",
     "lane_model.model",
     "lane_selection.evidence",

@@ -10,9 +10,9 @@ from html import escape
 
 import numpy as np
 
-from lane_dp_ros.core.lane_detector import LaneDetection
-from lane_dp_ros.tools.evaluation import Detection, FrameResult
-from lane_dp_ros.tools.labels import Label, LabelledFrame
+from lane_dp_ros.core.detector import LaneDetection
+from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.report.failures import Kind, failures, is_papers
 from lane_dp_ros.tools.report.pictures import LANE_STATES, label_state, pictures
 from lane_dp_ros.tools.report.sights import Sight
@@ -28,7 +28,7 @@ BADGES: dict[Kind, str] = {
 }
 
 
-def card(place: int, result: FrameResult, frame: LabelledFrame | None, sight: Sight) -> str:
+def card(place: int, result: FrameScore, frame: LabelledFrame | None, sight: Sight) -> str:
     """Return the card of a frame as HTML; `place` is its number among the worst."""
     note = f'<p class="note">{escape(sight.note)}</p>' if sight.note else ""
     return (
@@ -39,7 +39,7 @@ def card(place: int, result: FrameResult, frame: LabelledFrame | None, sight: Si
     )
 
 
-def _badges(result: FrameResult) -> str:
+def _badges(result: FrameScore) -> str:
     counts = Counter(failure.kind for failure in failures(result))
     badges = "".join(
         f'<span class="badge {kind.replace(" ", "-")}">{counts[kind]} {text}</span>'
@@ -50,14 +50,14 @@ def _badges(result: FrameResult) -> str:
     return (badges or '<span class="badge right">no failure</span>') + category
 
 
-def _labels(result: FrameResult, frame: LabelledFrame | None, detection: LaneDetection | None) -> str:
+def _labels(result: FrameScore, frame: LabelledFrame | None, detection: LaneDetection | None) -> str:
     if frame is None:
         return _list("Labels", "<li>none: this road is known to have no paint</li>")
     rows = "".join(_label(label, result, frame, detection) for label in frame.labels)
     return _list("Labels", rows)
 
 
-def _label(label: Label, result: FrameResult, frame: LabelledFrame, detection: LaneDetection | None) -> str:
+def _label(label: Label, result: FrameScore, frame: LabelledFrame, detection: LaneDetection | None) -> str:
     side = {frame.ego_left: ", ego left", frame.ego_right: ", ego right"}.get(label.id, "")
     state = label_state(label, result)
     sure = "" if label.sure else ", not sure"
@@ -74,7 +74,7 @@ def _label(label: Label, result: FrameResult, frame: LabelledFrame, detection: L
     return f'<li class="{state}"><b>{escape(label.id)}</b> {escape(what)}</li>'
 
 
-def _error(label: Label, result: FrameResult) -> str:
+def _error(label: Label, result: FrameScore) -> str:
     """Return in words how far a found label's line is off, empty for a label that was not found."""
     for match in result.matches:
         if match.label == label.id:
@@ -82,7 +82,7 @@ def _error(label: Label, result: FrameResult) -> str:
     return ""
 
 
-def _reason(what: str | int, result: FrameResult) -> str:
+def _reason(what: str | int, result: FrameScore) -> str:
     reason = next(failure.reason for failure in failures(result) if failure.what == what)
     return f" ({reason})" if is_papers(reason) else ""
 
@@ -118,7 +118,7 @@ def _distance(label: Label, line: np.ndarray) -> float | None:
     return float(np.mean(np.abs(np.interp(z[covered], line[:, 1], line[:, 0]) - x[covered])))
 
 
-def _lanes(result: FrameResult) -> str:
+def _lanes(result: FrameScore) -> str:
     rows = "".join(_lane(i, detection, result) for i, detection in enumerate(result.detections))
     return _list("Published lines", rows)
 
@@ -127,7 +127,7 @@ def _list(title: str, rows: str) -> str:
     return f"<div><h4>{title}</h4><ul>{rows or '<li>none</li>'}</ul></div>"
 
 
-def _lane(index: int, detection: Detection, result: FrameResult) -> str:
+def _lane(index: int, detection: JudgedLine, result: FrameScore) -> str:
     lane, state = detection.lane, LANE_STATES[detection.verdict]
     name = lane.role.replace("_", " ") + (f" {lane.id}" if lane.id >= 0 else "")
     words = {

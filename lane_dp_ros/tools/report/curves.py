@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.labels import JUDGED_DEPTHS
-from lane_dp_ros.tools.reliability import confidences, share
+from lane_dp_ros.tools.evaluation.annotations import JUDGED_DEPTHS
+from lane_dp_ros.tools.evaluation.reliability import confidences, share
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -40,7 +40,7 @@ class DistanceErrors:
     counts: Counts
 
 
-def threshold_curve(results: Sequence[FrameResult]) -> ThresholdCurve:
+def threshold_curve(results: Sequence[FrameScore]) -> ThresholdCurve:
     """Return detection precision and lane recall over a threshold of the confidence.
 
     The matching stays that of all lines; at threshold 0 both are the summary's.
@@ -54,7 +54,7 @@ def threshold_curve(results: Sequence[FrameResult]) -> ThresholdCurve:
     return ThresholdCurve(THRESHOLDS, precision, share(found.sum(axis=1), np.full(len(THRESHOLDS), labels)))
 
 
-def error_over_distance(results: Sequence[FrameResult]) -> DistanceErrors:
+def error_over_distance(results: Sequence[FrameScore]) -> DistanceErrors:
     """Return the lateral error of the matches, in bins of 2 m of depth over the depths that are judged."""
     near, far = JUDGED_DEPTHS
     edges = np.append(np.arange(near, far, DISTANCE_STEP), far)

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Literal, NamedTuple
 
-from lane_dp_ros.tools.evaluation import FrameResult
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 Kind = Literal["missed", "incorrect", "not found", "false", "duplicate"]
 
@@ -45,7 +45,7 @@ class Failure(NamedTuple):
     reason: str
 
 
-def failures(result: FrameResult) -> tuple[Failure, ...]:
+def failures(result: FrameScore) -> tuple[Failure, ...]:
     """Return all that is wrong in a frame."""
     found = {match.label for match in result.found}
     egos = set(result.ego_labels)
@@ -77,7 +77,7 @@ def is_papers(reason: str) -> bool:
     return reason in (*NOT_SEEN, *TAKEN_FOR_ONE)
 
 
-def worst_first(results: Iterable[FrameResult]) -> list[FrameResult]:
+def worst_first(results: Iterable[FrameScore]) -> list[FrameScore]:
     """Return the frames, those with the gravest failures first, among equals that with the largest error.
 
     The frames of a sequence look alike: the worst of each comes before the second worst of any, as far as
@@ -93,7 +93,7 @@ def worst_first(results: Iterable[FrameResult]) -> list[FrameResult]:
     return sorted(order, key=lambda result: turns[result.name] if failures(result) else len(order))
 
 
-def counts_by_reason(results: Sequence[FrameResult]) -> dict[str, Counter[Kind]]:
+def counts_by_reason(results: Sequence[FrameScore]) -> dict[str, Counter[Kind]]:
     """Return how many failures of each kind each class has, the paper's classes first."""
     found = [failure for result in results for failure in failures(result)]
     names = sorted({failure.reason for failure in found}, key=lambda name: (_rank(name), name))
@@ -106,6 +106,6 @@ def _rank(reason: str) -> int:
     return classes.index(reason) if reason in classes else len(classes) + (reason == UNKNOWN)
 
 
-def _badness(result: FrameResult) -> tuple[int, float]:
+def _badness(result: FrameScore) -> tuple[int, float]:
     weight = sum(WEIGHTS[failure.kind] for failure in failures(result))
     return weight, max((match.error for match in result.found), default=0.0)

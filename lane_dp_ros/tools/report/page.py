@@ -13,16 +13,16 @@ from pathlib import Path
 from string import Template
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.labels import LabelledFrame
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.report.cards import card
 from lane_dp_ros.tools.report.failures import failures, worst_first
 from lane_dp_ros.tools.report.plots import plots
 from lane_dp_ros.tools.report.sights import sights
 from lane_dp_ros.tools.report.tables import reasons, tables, tiles
-from lane_dp_ros.tools.summary import summarise
 
 PAGE = "index.html"
 GENERATOR = '<meta name="generator" content="lane_dp evaluate --report">'  # by which an earlier page is known
@@ -31,7 +31,7 @@ GALLERY = 30  # frames
 
 
 def write_report(
-    results: Sequence[FrameResult],
+    results: Sequence[FrameScore],
     frames: Sequence[LabelledFrame],
     source: Path,
     directory: Path,
@@ -69,7 +69,7 @@ def check_report_output(directory: Path) -> None:
             raise CommandError(f"{page} exists already and is no report: choose another folder for --report")
 
 
-def _page(results: Sequence[FrameResult], source: Path, cards: Sequence[str], parameters: str) -> str:
+def _page(results: Sequence[FrameScore], source: Path, cards: Sequence[str], parameters: str) -> str:
     total = summarise(results)
     name = source.resolve().name
     return Template(_static("page.html")).substitute(
@@ -88,7 +88,7 @@ def _page(results: Sequence[FrameResult], source: Path, cards: Sequence[str], pa
     )
 
 
-def _gallery_size(results: Sequence[FrameResult], shown: int) -> str:
+def _gallery_size(results: Sequence[FrameScore], shown: int) -> str:
     failing = sum(bool(failures(result)) for result in results)
     if failing > shown:
         return f"{failing} of {len(results)} frames have a failure; these are the {shown} worst."

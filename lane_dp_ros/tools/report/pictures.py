@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.core.data import BirdsEyeView, LanePath
-from lane_dp_ros.core.lane_detector import LaneDetection
-from lane_dp_ros.ros.conversions import Image8
-from lane_dp_ros.tools.evaluation import Detection, FrameResult
-from lane_dp_ros.tools.labels import Label, LabelledFrame
+from lane_dp_ros.core.detector import LaneDetection
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.types import BirdsEyeView, LanePath
+from lane_dp_ros.messages.conversions import Image8
+from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.report.figure import Line, data_uri, figure
 from lane_dp_ros.tools.report.sights import Sight
 
@@ -35,7 +35,7 @@ LABEL_STATES = ("found", "missed", "incorrect", "not-found", "not-judged")
 LANE_STATES = {"match": "right", "false": "false", "duplicate": "duplicate", "ignored": "ignored"}
 
 
-def label_state(label: Label, result: FrameResult) -> str:
+def label_state(label: Label, result: FrameScore) -> str:
     """Return what became of a label, one of LABEL_STATES."""
     if label.id in result.missed:
         return "missed"
@@ -46,7 +46,7 @@ def label_state(label: Label, result: FrameResult) -> str:
     return "not-found" if label.id in result.labels else "not-judged"
 
 
-def pictures(result: FrameResult, frame: LabelledFrame | None, sight: Sight) -> str:
+def pictures(result: FrameScore, frame: LabelledFrame | None, sight: Sight) -> str:
     """Return the frame's pictures as HTML: the left image, the road from above, the cost with its paths.
 
     Where there is no view from above, labels and lines are drawn without one.
@@ -61,7 +61,7 @@ def pictures(result: FrameResult, frame: LabelledFrame | None, sight: Sight) -> 
     return left + "".join(_views_from_above(sight.left, sight.detection, lines))
 
 
-def image_lines(result: FrameResult, frame: LabelledFrame | None, camera: StereoCamera) -> list[Line]:
+def image_lines(result: FrameScore, frame: LabelledFrame | None, camera: StereoCamera) -> list[Line]:
     """Return labels and published lines in pixels of the left image."""
     labels = frame.labels if frame else ()
     return [
@@ -70,7 +70,7 @@ def image_lines(result: FrameResult, frame: LabelledFrame | None, camera: Stereo
     ]
 
 
-def _lane_line(detection: Detection, points: Floats) -> Line:
+def _lane_line(detection: JudgedLine, points: Floats) -> Line:
     return Line(points, f"lane {LANE_STATES[detection.verdict]}", f"{detection.lane.confidence:.2f}")
 
 
@@ -142,7 +142,7 @@ def _cost_picture(view: BirdsEyeView, detection: LaneDetection) -> Image8:
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
 
 
-def _plan(result: FrameResult, frame: LabelledFrame | None) -> str:
+def _plan(result: FrameScore, frame: LabelledFrame | None) -> str:
     """Return labels and lines from above, without any image."""
     left, right, near, far = PLAN
 

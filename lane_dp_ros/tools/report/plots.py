@@ -10,8 +10,8 @@ from html import escape
 
 import numpy as np
 
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.reliability import CONFIDENCE_BINS, confidences, reliability
+from lane_dp_ros.tools.evaluation.reliability import CONFIDENCE_BINS, confidences, reliability
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.report.chart import Axis, Chart
 from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
 from lane_dp_ros.tools.report.tables import number
@@ -19,7 +19,7 @@ from lane_dp_ros.tools.report.tables import number
 TICKS = 5  # about so many on an axis
 
 
-def plots(results: Sequence[FrameResult]) -> str:
+def plots(results: Sequence[FrameScore]) -> str:
     """Return the curves, each with what it says in words."""
     return "".join(
         f'<figure class="plot"><figcaption><h3>{escape(title)}</h3></figcaption>{svg}<p>{words}</p></figure>'
@@ -31,7 +31,7 @@ def plots(results: Sequence[FrameResult]) -> str:
     )
 
 
-def _threshold_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
+def _threshold_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     curve = threshold_curve(results)
     title = "Precision and recall over confidence"
     chart = Chart(title, _share_axis("publish only lines of at least this confidence"), _share_axis("share"))
@@ -44,7 +44,7 @@ def _threshold_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
     return title, chart.svg(), words
 
 
-def _reliability_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
+def _reliability_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     bins = reliability(*confidences(results))
     title = "Is the confidence right?"
     chart = Chart(title, _share_axis("confidence"), _share_axis("share of lines that are right"))
@@ -63,7 +63,7 @@ def _reliability_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
     return title, chart.svg(), words
 
 
-def _error_chart(results: Sequence[FrameResult]) -> tuple[str, str, str]:
+def _error_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     bins = error_over_distance(results)
     title = "Lateral error over distance"
     highest = np.nanmax(bins.percentile_90) if np.isfinite(bins.percentile_90).any() else 0.1

@@ -9,19 +9,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lane_dp_ros.core.camera import StereoCamera
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
-from lane_dp_ros.ros.conversions import Image8, image_from_ros
-from lane_dp_ros.ros.lane_pipeline import detect_pair
-from lane_dp_ros.ros.node_config import NodeConfig
-from lane_dp_ros.ros.stereo_sync import StereoSync
-from lane_dp_ros.tools.answers import read_picture
-from lane_dp_ros.tools.bag import BagReader
-from lane_dp_ros.tools.errors import CommandError, one_line
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.labels import LabelledFrame
-from lane_dp_ros.tools.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
+from lane_dp_ros.core.detector import LaneDetection, LaneDetector
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.pipeline import detect_pair
+from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.conversions import Image8, image_from_ros
+from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
+from lane_dp_ros.messages.stereo_sync import StereoSync
+from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
+from lane_dp_ros.tools.evaluation.answers import read_picture
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 SCENES_BAG = "scenes.mcap"  # what `lane_dp scenes` writes into its folder
 DRAWN = "overlay/image"  # what `lane_dp run` writes beside its lanes
@@ -40,7 +40,7 @@ class Sight:
     note: str = ""
 
 
-Shown = tuple[FrameResult, LabelledFrame | None]
+Shown = tuple[FrameScore, LabelledFrame | None]
 
 
 def sights(source: Path, shown: Sequence[Shown], config: DetectorConfig) -> Iterator[tuple[Shown, Sight]]:

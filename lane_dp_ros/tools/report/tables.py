@@ -9,10 +9,10 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from lane_dp_ros.tools.evaluation import FrameResult, Summary
-from lane_dp_ros.tools.evaluation_text import COLUMNS, Column, cell
+from lane_dp_ros.tools.evaluation.scores import FrameScore, Summary
+from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence
+from lane_dp_ros.tools.evaluation.text import COLUMNS, Column, cell
 from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
-from lane_dp_ros.tools.summary import by_category, by_sequence
 
 PAPER_COLUMNS = COLUMNS[:4]
 TODAY_COLUMNS = (
@@ -40,7 +40,7 @@ def tiles(total: Summary) -> str:
     )
 
 
-def tables(results: Sequence[FrameResult]) -> str:
+def tables(results: Sequence[FrameScore]) -> str:
     """Return the paper's table, today's numbers and the literature's, by sequence and by category."""
     sequences, categories = by_sequence(results), by_category(results)
     parts = [_paper_and_today("sequence", sequences)]
@@ -100,7 +100,7 @@ def _broken(text: str) -> str:
     return re.sub("([/_])", r"\1<wbr>", escape(text)).replace("\n", "<br>")
 
 
-def reasons(results: Sequence[FrameResult]) -> str:
+def reasons(results: Sequence[FrameScore]) -> str:
     """Return the failures counted by the paper's classes."""
     counts = counts_by_reason(results)
     columns: dict[Kind, str] = {

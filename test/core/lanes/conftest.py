@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.core.config import LaneGraphConfig
-from lane_dp_ros.core.data import BirdsEyeView, LaneEvidence, LaneGraph, LaneLine, RoadPicture
-from lane_dp_ros.core.lane_evidence import line_evidence
-from lane_dp_ros.core.lane_graph import band_graph
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.birdseye.paint_map import band_graph
+from lane_dp_ros.core.config import PaintMapConfig
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.lanes.evidence import line_evidence
+from lane_dp_ros.core.types import BirdsEyeView, LaneEvidence, LaneLine, PaintMap, StereoFrame
 
 CAMERA = StereoCamera(fx=721.5, fy=721.5, cx=609.6, cy=172.9, baseline=0.54)  # much like KITTI's
 ASPHALT, PAINT = 90.0, 80.0  # grey levels; the paint's are added
@@ -66,10 +66,10 @@ class PaintedRoad:
             image, self.seen, on_road, self.height, u, v, self.s, self.n, self.axis, surface, surface
         )
 
-    def bands(self) -> tuple[BirdsEyeView, LaneGraph]:
+    def bands(self) -> tuple[BirdsEyeView, PaintMap]:
         """Return the view and its graph of bright bands."""
         view = self.view()
-        return view, band_graph(view, LaneGraphConfig())
+        return view, band_graph(view, PaintMapConfig())
 
 
 @pytest.fixture(scope="session")
@@ -87,7 +87,7 @@ def evidence_of() -> Callable[..., LaneEvidence]:
         rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
         s = view.s[rows]
         n = course(s) if callable(course) else np.full(len(s), course)
-        mono = RoadPicture(view.image, None, view.height, view.surface, view.ground)
+        mono = StereoFrame(view.image, None, view.height, view.surface, view.ground)
         return line_evidence(LaneLine(rows, s, n, bend=0.0, score=10.0), view, graph, mono)
 
     return evidence_of

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.data import LaneGraph, LaneLine
-from lane_dp_ros.core.road import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.types import LaneLine, PaintMap
 
 AXES = {"straight": RoadAxis(), "turned": RoadAxis(0.1), "bend": RoadAxis(-0.05, 0.02)}
 
@@ -102,5 +102,5 @@ def test_the_window_for_paint_ends_with_the_view(painted_road, side):
 
 def test_a_cell_costs_one_less_its_feature():
     feature = np.array([[0.0, 0.25, 1.0]], np.float32)
-    graph = LaneGraph(feature, feature > -1, feature, feature, feature)
+    graph = PaintMap(feature, feature > -1, feature, feature, feature)
     assert graph.cost.tolist() == [[1.0, 0.75, 0.0]]

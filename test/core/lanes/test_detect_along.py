@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lane_detector import LaneDetection, LaneDetector
-from lane_dp_ros.core.road import RoadAxis
-from lane_dp_ros.tools.scenes import CAMERA, Road, render_pair
+from lane_dp_ros.core.detector import LaneDetection, LaneDetector
+from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.scenes import CAMERA, Road, render_pair
 
 DETECTOR = LaneDetector(CAMERA)
 

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.birdseye.paint_map import build_paint_map
 from lane_dp_ros.core.config import DetectorConfig, preset
-from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.core.lane_graph import build_graph
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road, render_pair
-from lane_dp_ros.tools.scenes.road import DASHED, SOLID, UNPAINTED, Line
+from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
+from lane_dp_ros.scenes.road import DASHED, SOLID, UNPAINTED, Line
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -26,7 +26,7 @@ STAGES = [
     "road_profile",
     "vanishing_point",
     "birds_eye",
-    "lane_graph",
+    "paint_map",
     "path_search",
     "lane_model",
     "lane_selection",
@@ -264,7 +264,7 @@ def test_small_pictures_of_the_scene_are_answered(pair):
 
 def test_paint_is_looked_for_in_both_images(pair, detection):
     left, right = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (pair.left, pair.right))
-    view, config = detection.birds_eye, DetectorConfig().lane_graph
-    np.testing.assert_array_equal(detection.graph.contrast, build_graph(view, config, right).contrast)
+    view, config = detection.birds_eye, DetectorConfig().paint_map
+    np.testing.assert_array_equal(detection.graph.contrast, build_paint_map(view, config, right).contrast)
     for image in (None, left):
-        assert not np.array_equal(detection.graph.contrast, build_graph(view, config, image).contrast)
+        assert not np.array_equal(detection.graph.contrast, build_paint_map(view, config, image).contrast)

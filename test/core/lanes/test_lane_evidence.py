@@ -5,8 +5,9 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core import lane_evidence, lane_selection
 from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.lanes import evidence as lane_evidence
+from lane_dp_ros.core.lanes import selection as lane_selection
 
 CENTRE = 1.025  # m
 LIMITS = LaneSelectionConfig()
@@ -19,13 +20,13 @@ def test_the_width_of_paint_is_that_at_half_its_contrast(painted_road, evidence_
 
 def test_a_narrow_line_has_a_small_breadth(painted_road, evidence_of):
     """A band of nine columns with three of paint in it has a third of the paint's contrast."""
-    assert evidence_of(painted_road().line(CENTRE, 0.15)).breadth == pytest.approx(1 / 3, abs=0.01)
+    assert evidence_of(painted_road().line(CENTRE, 0.15)).wide_band_ratio == pytest.approx(1 / 3, abs=0.01)
 
 
 def test_a_broad_band_is_too_wide_and_too_broad(painted_road, evidence_of):
     found = evidence_of(painted_road().line(CENTRE, 0.5))
     assert found.paint_width > LIMITS.paint_width_max
-    assert found.breadth > lane_selection.BREADTH_MAX
+    assert found.wide_band_ratio > lane_selection.WIDE_BAND_RATIO_MAX
 
 
 def test_a_step_is_no_band(painted_road, evidence_of):
@@ -65,7 +66,7 @@ def test_a_line_off_by_a_column_gives_the_same_cross_section(painted_road, evide
     road = painted_road().line(CENTRE)
     on, off = evidence_of(road), evidence_of(road, CENTRE + 0.08)
     assert off.paint_width == pytest.approx(on.paint_width, abs=0.02)
-    assert off.breadth == pytest.approx(on.breadth, abs=0.06)
+    assert off.wide_band_ratio == pytest.approx(on.wide_band_ratio, abs=0.06)
 
 
 @pytest.mark.parametrize(
@@ -111,15 +112,17 @@ def test_slope_is_the_steepest_lateral_over_forward(painted_road, evidence_of):
     assert evidence_of(painted_road().line(CENTRE)).slope == 0
 
 
-@pytest.mark.parametrize(("aside", "astray"), [(0.25, 0.25), (0.05, 0.0), (0.6, 0.0)], ids=str)
-def test_astray_is_the_share_of_the_paint_that_a_line_passes_beside(painted_road, evidence_of, aside, astray):
+@pytest.mark.parametrize(("aside", "off_paint_fraction"), [(0.25, 0.25), (0.05, 0.0), (0.6, 0.0)], ids=str)
+def test_astray_is_the_share_of_the_paint_that_a_line_passes_beside(
+    painted_road, evidence_of, aside, off_paint_fraction
+):
     """The farthest 5 m of 20 lie aside; paint that is too far off is none of the line's."""
     road = painted_road().line(lambda s: CENTRE + aside * (s > 19))
-    assert evidence_of(road).astray == pytest.approx(astray, abs=0.02)
+    assert evidence_of(road).off_paint_fraction == pytest.approx(off_paint_fraction, abs=0.02)
 
 
 def test_where_there_is_no_paint_no_line_is_astray(painted_road, evidence_of):
-    assert evidence_of(painted_road()).astray == 0
+    assert evidence_of(painted_road()).off_paint_fraction == 0
 
 
 def test_roughness_is_texture_over_brightness_on_the_smoother_side(painted_road, evidence_of):
@@ -129,7 +132,7 @@ def test_roughness_is_texture_over_brightness_on_the_smoother_side(painted_road,
     everywhere.grey += stripes
     roughness = evidence_of(everywhere).roughness
     assert 14.1 / (60 + 10) < roughness < 14.2 / (40 + 10)  # on the bright stripes and on the dark ones
-    assert roughness > LIMITS.roughness_max
+    assert roughness > LIMITS.texture_max
     verge = painted_road(ground=50).line(CENTRE)
     verge.grey += stripes * (verge.n > 1.5)
     assert evidence_of(verge).roughness == 0
@@ -137,4 +140,4 @@ def test_roughness_is_texture_over_brightness_on_the_smoother_side(painted_road,
 
 def test_lines_at_the_border_of_the_view_are_looked_at_too(painted_road, evidence_of):
     found = evidence_of(painted_road().line(4.975), 4.975)
-    assert np.isfinite([found.paint_width, found.breadth, found.brightness, found.roughness]).all()
+    assert np.isfinite([found.paint_width, found.wide_band_ratio, found.brightness, found.roughness]).all()

@@ -8,23 +8,23 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.birds_eye import birds_eye_view, right_view
-from lane_dp_ros.core.config import BirdsEyeConfig, LaneGraphConfig, preset
-from lane_dp_ros.core.lane_graph import (
+from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view, right_view
+from lane_dp_ros.core.birdseye.paint_map import (
     SENSOR_NOISE,
     TEXTURE_MAX,
     band_contrast,
-    build_graph,
+    build_paint_map,
     edge_graph,
     road_texture,
     shifted,
 )
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.config import BirdsEyeConfig, PaintMapConfig, preset
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
 
 ASPHALT = 90  # grey level of the drawn pictures
 CENTRE = 1.025  # m, the middle of a column
 ROW = 40
-EDGES = preset("paper").lane_graph
+EDGES = preset("paper").paint_map
 
 
 def column(view, n):
@@ -120,7 +120,7 @@ def test_cells_that_show_no_road_are_no_paint(painted_road, feature):
     road = painted_road().line(CENTRE)
     road.seen[:20] = False
     road.height[60:] = 0.5  # a wall, m
-    graph = build_graph(road.view(), LaneGraphConfig(feature=feature))
+    graph = build_paint_map(road.view(), PaintMapConfig(feature=feature))
     seen = graph.seen.any(axis=1)
     assert np.flatnonzero(seen).tolist() == list(range(20, 60))
     assert graph.feature[seen].any()
@@ -144,7 +144,7 @@ def two_sights(camera, picture_of, right_of, disparity_of):
 def test_a_band_counts_by_the_camera_that_shows_it_better(two_sights):
     """Glare hides one line from the left camera, another one from the right camera."""
     view, right = two_sights(left=(-1.825, 0.525), right=(0.525, 1.775))
-    alone, both = (build_graph(view, LaneGraphConfig(), image) for image in (None, right))
+    alone, both = (build_paint_map(view, PaintMapConfig(), image) for image in (None, right))
     found = [n for n in (-1.825, 0.525, 1.775) if both.feature[ROW, column(view, n)] == 1]
     assert found == [-1.825, 0.525, 1.775]
     assert alone.feature[ROW, column(view, 1.775)] == 0
@@ -157,7 +157,7 @@ def test_a_band_counts_by_the_camera_that_shows_it_better(two_sights):
 def test_where_the_right_camera_does_not_see_the_ground_the_left_image_counts(two_sights):
     view, right = two_sights(left=(-1.825,), right=())
     right[:] = np.random.default_rng(0).integers(0, 255, right.shape)
-    alone, both = (build_graph(view, LaneGraphConfig(), image) for image in (None, right))
+    alone, both = (build_paint_map(view, PaintMapConfig(), image) for image in (None, right))
     hidden = view.seen & ~right_view(right, view).seen
     assert np.count_nonzero(hidden) > 50
     np.testing.assert_array_equal(both.contrast[hidden], alone.contrast[hidden])
@@ -171,7 +171,7 @@ def test_a_line_lies_where_the_left_image_shows_it(two_sights, apart, share):
     faint = ASPHALT + share * (view.image.astype(float) - ASPHALT)
     view = replace(view, image=np.rint(faint).astype(np.uint8))
     rows = np.flatnonzero(view.seen[:, column(view, 0.525)])[:80]
-    graph = build_graph(view, LaneGraphConfig(), right)
+    graph = build_paint_map(view, PaintMapConfig(), right)
     n, weight = view.paint_centres(graph, rows, np.full(len(rows), float(column(view, 0.525))))
     assert weight.min() > 0.5
     assert np.median(n) == pytest.approx(0.525, abs=0.01)
@@ -197,7 +197,7 @@ def test_the_papers_weights_add_up_to_one():
 
 def test_paint_of_the_papers_graph_has_its_peak_between_the_edges(painted_road):
     view = painted_road().line(CENTRE, 0.15).view()
-    graph = build_graph(view, EDGES)
+    graph = build_paint_map(view, EDGES)
     strip = graph.paint[ROW, np.abs(view.n - CENTRE) < 0.11]
     np.testing.assert_allclose(strip, strip[::-1], atol=1e-6)
     assert graph.feature[ROW, column(view, CENTRE)] < graph.feature[ROW].max()  # the path runs on an edge
@@ -209,7 +209,7 @@ def test_paint_of_the_papers_graph_has_its_peak_between_the_edges(painted_road):
 def test_blank_and_unseen_views_have_no_feature(painted_road, seen):
     road = painted_road()
     road.seen[:] = seen
-    graph = build_graph(road.view(), EDGES)
+    graph = build_paint_map(road.view(), EDGES)
     assert not graph.feature.any()
     assert not graph.paint.any()
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.data import RoadPicture
-from lane_dp_ros.core.lane_search import LaneSearch, search_lanes
-from lane_dp_ros.core.lane_selection import ASTRAY_MAX
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.lanes.search import LaneSearch, search_lanes
+from lane_dp_ros.core.lanes.selection import OFF_PAINT_FRACTION_MAX
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
 from lane_dp_ros.core.stopwatch import Stopwatch
+from lane_dp_ros.core.types import StereoFrame
 
-STEPS = ["birds_eye", "lane_graph", "path_search", "lane_model", "lane_selection"]
+STEPS = ["birds_eye", "paint_map", "path_search", "lane_model", "lane_selection"]
 BEND = RoadAxis(heading=-0.05, curvature=0.01)
 
 
@@ -25,7 +25,7 @@ def search(camera, disparity_of, picture_of, right_of):
     def search(offsets=(-1.8, 1.7), axis=BEND, road=BEND, watch=None, **values):
         picture = picture_of(surface, road, offsets)
         right = right_of(picture, surface)
-        everything = RoadPicture(picture, right, disparity_of(surface), surface, surface)
+        everything = StereoFrame(picture, right, disparity_of(surface), surface, surface)
         config = replaced(
             DetectorConfig(), {name.replace("__", "."): value for name, value in values.items()}
         )
@@ -46,7 +46,7 @@ def painted_surface(camera, disparity_of, picture_of):
             drawn = picture_of(surface, RoadAxis(), (n,)).astype(float) - blank
             picture += drawn / 110 * levels
         grey = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
-        everything = RoadPicture(grey, None, disparity_of(surface), surface, surface)
+        everything = StereoFrame(grey, None, disparity_of(surface), surface, surface)
         config = replaced(DetectorConfig(), {"lane_selection.contrast_min": 0.0})
         return search_lanes(everything, RoadAxis(), config, np.random.default_rng(0), Stopwatch())
 
@@ -66,7 +66,7 @@ def test_a_line_that_only_one_camera_shows_well_is_followed(camera, picture_of, 
     left[(x > 0.9) & (z > 14)] = 255
     ends = []
     for image in (None, right):
-        picture = RoadPicture(left, image, disparity_of(surface), surface, surface)
+        picture = StereoFrame(left, image, disparity_of(surface), surface, surface)
         found = search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
         ends.append([float(line.s[-1]) for line, _ in found.lanes if np.median(line.n) > 0])
     assert ends[0] == [] or ends[0][0] < 16
@@ -162,7 +162,7 @@ def one_line(camera, disparity_of, right_of):
     def one_line(course, paint=200):
         image = np.full(disparity.shape, 90, np.uint8)
         image[np.abs(x - course(z)) < 0.08] = paint
-        picture = RoadPicture(image, right_of(image, surface), disparity, surface, surface)
+        picture = StereoFrame(image, right_of(image, surface), disparity, surface, surface)
         return search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
 
     return one_line
@@ -182,6 +182,9 @@ def test_of_a_line_that_strays_from_its_paint_the_nearer_half_is_kept(one_line):
     found = one_line(lambda z: 1.7 + 0.5 * (z > 20))
     longest, evidence = max(found.candidates, key=lambda each: each[0].length)
     assert longest.s[-1] > 25
-    assert evidence.astray > ASTRAY_MAX and evidence.slope < DetectorConfig().lane_selection.slope_max
+    assert (
+        evidence.off_paint_fraction > OFF_PAINT_FRACTION_MAX
+        and evidence.slope < DetectorConfig().lane_selection.slope_max
+    )
     assert offsets_of(found) == pytest.approx([1.7], abs=0.02)
     assert all(line.s[-1] <= 20 for line, _ in found.lanes)

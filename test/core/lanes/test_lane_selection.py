@@ -7,30 +7,32 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core import lane_selection
 from lane_dp_ros.core.config import LaneSelectionConfig
-from lane_dp_ros.core.data import LaneEvidence, LaneLine
-from lane_dp_ros.core.lane_selection import is_paint, lateral_gap, select_lanes
+from lane_dp_ros.core.lanes import selection as lane_selection
+from lane_dp_ros.core.lanes.selection import is_paint, lateral_gap, select_lanes
+from lane_dp_ros.core.types import LaneEvidence, LaneLine
 
 CONFIG = LaneSelectionConfig()
 GOOD = LaneEvidence(
     paint_width=0.15,
-    breadth=0.4,
+    wide_band_ratio=0.4,
     height=0.0,
     step=0.0,
     slope=0.02,
-    astray=0.02,
+    off_paint_fraction=0.02,
     roughness=0.05,
     contrast=0.5,
-    headroom=0.5,
+    saturation_contrast=0.5,
     brightness=0.5,
     run=10.0,
     dashes=1,
 )
 PALE = replace(
-    GOOD, contrast=lane_selection.KERB_CONTRAST - 0.01, headroom=lane_selection.KERB_HEADROOM - 0.01
+    GOOD,
+    contrast=lane_selection.KERB_CONTRAST - 0.01,
+    saturation_contrast=lane_selection.KERB_SATURATION_CONTRAST - 0.01,
 )
-FAINT = {"headroom": lane_selection.HEADROOM_MIN - 0.01}
+FAINT = {"saturation_contrast": lane_selection.SATURATION_CONTRAST_MIN - 0.01}
 DASHED = {"run": lane_selection.UNBROKEN - 0.1, "dashes": 3}
 UNBROKEN = {"run": lane_selection.UNBROKEN, "dashes": 1}
 ABOVE_KERB = {
@@ -68,11 +70,15 @@ def test_good_evidence_makes_a_lane():
     ("field", "good", "bad"),
     [
         ("paint_width", CONFIG.paint_width_max, CONFIG.paint_width_max + 0.01),
-        ("breadth", lane_selection.BREADTH_MAX, lane_selection.BREADTH_MAX + 0.01),
+        ("wide_band_ratio", lane_selection.WIDE_BAND_RATIO_MAX, lane_selection.WIDE_BAND_RATIO_MAX + 0.01),
         ("height", CONFIG.height_max, CONFIG.height_max + 0.01),
         ("slope", CONFIG.slope_max, CONFIG.slope_max + 0.01),
-        ("astray", lane_selection.ASTRAY_MAX, lane_selection.ASTRAY_MAX + 0.01),
-        ("roughness", CONFIG.roughness_max, CONFIG.roughness_max + 0.01),
+        (
+            "off_paint_fraction",
+            lane_selection.OFF_PAINT_FRACTION_MAX,
+            lane_selection.OFF_PAINT_FRACTION_MAX + 0.01,
+        ),
+        ("roughness", CONFIG.texture_max, CONFIG.texture_max + 0.01),
     ],
 )
 def test_each_piece_of_evidence_can_speak_against_a_line(field, good, bad):
@@ -88,7 +94,7 @@ def test_what_is_brighter_neither_by_contrast_nor_by_headroom_is_no_paint():
 
 def test_in_glare_paint_need_only_use_what_is_left_up_to_white():
     low = CONFIG.contrast_min - 0.01
-    assert painted(replace(GOOD, contrast=low, headroom=lane_selection.HEADROOM_MIN))
+    assert painted(replace(GOOD, contrast=low, saturation_contrast=lane_selection.SATURATION_CONTRAST_MIN))
 
 
 @pytest.mark.parametrize("name", ["paint_width_max", "contrast_min", "height_max"])
@@ -133,7 +139,7 @@ def test_a_pale_stripe_at_the_foot_of_a_step_is_a_kerb():
 
 
 @pytest.mark.parametrize("sign", ABOVE_KERB, ids=str)
-@pytest.mark.parametrize("field", ["contrast", "headroom"])
+@pytest.mark.parametrize("field", ["contrast", "saturation_contrast"])
 def test_what_is_not_pale_is_no_kerb_whatever_else_it_has(sign, field):
     """In glare fresh paint has little contrast, but takes much of what is left up to white."""
     bright = replace(PALE, **UNBROKEN, **{field: lane_selection.KERB_CONTRAST})

@@ -8,24 +8,24 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.data import LaneEvidence, LaneLine
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.core.left_alone import DOUBTED, trusted, without_heights
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.tools.scenes import CAMERA, SIZE, Road, render_pair
-from lane_dp_ros.tools.scenes.road import SOLID, UNPAINTED
+from lane_dp_ros.core.lanes.mono_fallback import DOUBTED, trusted, without_heights
+from lane_dp_ros.core.types import LaneEvidence, LaneLine
+from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
+from lane_dp_ros.scenes.road import SOLID, UNPAINTED
 
 PAINT = LaneEvidence(
     paint_width=0.15,
-    breadth=0.4,
+    wide_band_ratio=0.4,
     height=np.nan,  # as it is without a right picture
     step=0.0,
     slope=0.01,
-    astray=0.02,
+    off_paint_fraction=0.02,
     roughness=0.03,
     contrast=0.6,
-    headroom=0.4,
+    saturation_contrast=0.4,
     brightness=0.6,
     run=20.0,
     dashes=1,
@@ -51,7 +51,13 @@ def test_paint_is_not_doubted():
 
 @pytest.mark.parametrize(
     "unlike",
-    [{"paint_width": 0.08}, {"paint_width": 0.3}, {"breadth": 0.0}, {"brightness": 0.1}, {"roughness": 0.12}],
+    [
+        {"paint_width": 0.08},
+        {"paint_width": 0.3},
+        {"wide_band_ratio": 0.0},
+        {"brightness": 0.1},
+        {"roughness": 0.12},
+    ],
     ids=str,
 )
 def test_what_is_unlike_paint_is_doubted(unlike):
@@ -70,7 +76,7 @@ def test_a_rail_beside_the_border_line_is_doubted_but_the_next_lane_and_a_double
 
 def test_what_is_doubted_already_is_not_lifted():
     lane = Lane(np.zeros((2, 3)), 0.2, 0.15, "other", 0.0, 1.5)
-    (found,) = without_heights([lane], [line(1.5)], [replace(PAINT, breadth=-1.0)])
+    (found,) = without_heights([lane], [line(1.5)], [replace(PAINT, wide_band_ratio=-1.0)])
     assert found.confidence == 0.2
 
 

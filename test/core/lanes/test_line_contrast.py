@@ -18,15 +18,17 @@ def test_contrast_is_that_over_the_road_on_both_sides(painted_road, evidence_of)
 
 
 @pytest.mark.parametrize(
-    ("ground", "paint", "contrast", "headroom"),
+    ("ground", "paint", "contrast", "saturation_contrast"),
     [(90, 80, 80 / 100, 80 / 175), (200, 40, 40 / 210, 40 / 65), (20, 6, 6 / 30, 6 / 245)],
     ids=["day", "glare", "night"],
 )
-def test_the_headroom_is_that_up_to_white(painted_road, evidence_of, ground, paint, contrast, headroom):
+def test_the_headroom_is_that_up_to_white(
+    painted_road, evidence_of, ground, paint, contrast, saturation_contrast
+):
     """In glare paint takes much of it, however little contrast it has; by night the other way round."""
     found = evidence_of(painted_road(ground=ground).line(CENTRE, brightness=paint))
     assert found.contrast == pytest.approx(contrast, abs=0.01)
-    assert found.headroom == pytest.approx(headroom, abs=0.01)
+    assert found.saturation_contrast == pytest.approx(saturation_contrast, abs=0.01)
 
 
 @pytest.mark.parametrize("side", [-1, 1])

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.config import PathSearchConfig
-from lane_dp_ros.core.data import LaneLine
-from lane_dp_ros.core.line_extension import DASH_MIN, GAP_MAX, extend_line
+from lane_dp_ros.core.lanes.variants.extended import DASH_MIN, GAP_MAX, extend_line
+from lane_dp_ros.core.types import LaneLine
 
 N = -1.725  # m
 ROW = 0.25  # m, a row of a drawn road

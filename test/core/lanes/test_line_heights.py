@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core import lane_evidence
-from lane_dp_ros.core.birds_eye import birds_eye_view
+from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
 from lane_dp_ros.core.config import BirdsEyeConfig
-from lane_dp_ros.core.data import LaneLine, RoadPicture
-from lane_dp_ros.core.line_heights import FAR, HEIGHTS, LineHeights, line_heights
-from lane_dp_ros.core.road import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.lanes import evidence as lane_evidence
+from lane_dp_ros.core.lanes.plane_sweep import FAR, HEIGHTS, LineHeights, line_heights
+from lane_dp_ros.core.types import LaneLine, StereoFrame
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -59,7 +59,7 @@ def measured(camera):
         view = birds_eye_view(images[0], nothing, surface, RoadAxis(), BirdsEyeConfig())
         rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
         followed = LaneLine(rows, view.s[rows], np.full(len(rows), n), bend=0.0, score=10.0)
-        return line_heights(followed, view, RoadPicture(*images, nothing, surface, surface))
+        return line_heights(followed, view, StereoFrame(*images, nothing, surface, surface))
 
     return measured
 

@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.data import LaneLine
-from lane_dp_ros.core.lane_model import MIN_ROWS
-from lane_dp_ros.core.near_half import near_half
+from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
+from lane_dp_ros.core.lanes.variants.near_half import near_half
+from lane_dp_ros.core.types import LaneLine
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.parabola import ransac_parabola, tukey_fit
+from lane_dp_ros.core.dp.robust_fit import ransac_parabola, tukey_fit
 
 TRUTH = np.array([1.5, -0.02, 0.003])  # y = 1.5 m - 0.02 x + 0.003 x^2
 X = np.linspace(5, 35, 100)

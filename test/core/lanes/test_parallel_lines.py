@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import LaneSelectionConfig
-from lane_dp_ros.core.data import LaneLine
-from lane_dp_ros.core.parallel_lines import best_stretches, parallel_lines
+from lane_dp_ros.core.lanes.variants.parallel import best_stretches, parallel_lines
+from lane_dp_ros.core.types import LaneLine
 
 CONFIG = LaneSelectionConfig()
 FAINT = 4  # grey levels, as much as the noise

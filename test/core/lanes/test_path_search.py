@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import PathSearchConfig, preset
-from lane_dp_ros.core.data import LaneGraph
-from lane_dp_ros.core.path_search import find_paths
+from lane_dp_ros.core.lanes.path_search import find_paths
+from lane_dp_ros.core.types import PaintMap
 
 METRES = (0.5, 0.1)  # per row and column
 PAPER = replace(preset("paper").path_search, suppression=0.5)  # 5 columns
@@ -21,7 +21,7 @@ def graph_of(feature, seen=None):
     seen = np.ones(feature.shape, bool) if seen is None else seen
     feature = np.where(seen, feature, 0).astype(np.float32)
     nothing = np.zeros(feature.shape, np.float32)
-    return LaneGraph(feature, seen, feature, nothing, nothing)
+    return PaintMap(feature, seen, feature, nothing, nothing)
 
 
 def drawn(*lines, shape=(40, 60)):

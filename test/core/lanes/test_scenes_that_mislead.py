@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import VanishingPointConfig
-from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.core.road_direction import road_axis
-from lane_dp_ros.core.road_edges import road_edges
-from lane_dp_ros.tools.scenes import CAMERA, Road
-from lane_dp_ros.tools.scenes.light import Light
-from lane_dp_ros.tools.scenes.road import SOLID, UNPAINTED, Line
-from lane_dp_ros.tools.scenes.scene import Motion, Scene, render_frame
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.road.arc_vanishing_point import road_axis
+from lane_dp_ros.core.road.edge_pixels import road_edges
+from lane_dp_ros.scenes import CAMERA, Road
+from lane_dp_ros.scenes.light import Light
+from lane_dp_ros.scenes.road import SOLID, UNPAINTED, Line
+from lane_dp_ros.scenes.scene import Motion, Scene, render_frame
 
 pytestmark = pytest.mark.filterwarnings("error")
 

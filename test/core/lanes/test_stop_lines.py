@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core import lane_search
-from lane_dp_ros.core.data import LaneLine
-from lane_dp_ros.core.stop_lines import JUNCTION, end_at_stop_line
+from lane_dp_ros.core.lanes import search as lane_search
+from lane_dp_ros.core.lanes.variants.cut import JUNCTION, end_at_stop_line
+from lane_dp_ros.core.types import LaneLine
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -104,8 +104,8 @@ def test_the_search_ends_lines_at_stop_lines(monkeypatch, painted_road):
     monkeypatch.setattr(lane_search, "end_at_stop_line", ended)
     view, graph = painted_road(length=LENGTH).line(-N).line(N).bands()
     monkeypatch.setattr(lane_search, "birds_eye_view", lambda *_: view)
-    monkeypatch.setattr(lane_search, "build_graph", lambda *_: graph)
-    picture = lane_search.RoadPicture(view.image, None, view.height, view.surface, view.ground)
+    monkeypatch.setattr(lane_search, "build_paint_map", lambda *_: graph)
+    picture = lane_search.StereoFrame(view.image, None, view.height, view.surface, view.ground)
     config, rng = lane_search.DetectorConfig(), np.random.default_rng(0)
     found = lane_search.search_lanes(picture, view.axis, config, rng, lane_search.Stopwatch())
     assert len(asked) >= len(found.candidates) >= 2

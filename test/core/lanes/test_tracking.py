@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.tracking import LaneTracker
+from lane_dp_ros.core.tracking.tracker import LaneTracker
 
 FRAME = 100_000_000  # ns: 10 Hz
 START = 1_316_533_000_000_000_000  # ns, a stamp of KITTI's September 2011

@@ -7,29 +7,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core import lane_selection, turned_axis
 from lane_dp_ros.core.config import LaneSelectionConfig, VanishingPointConfig
-from lane_dp_ros.core.data import LaneEvidence, LaneLine
-from lane_dp_ros.core.path_search import SLOPE_COST
-from lane_dp_ros.core.road import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.lanes import axis_refinement as turned_axis
+from lane_dp_ros.core.lanes import selection as lane_selection
+from lane_dp_ros.core.lanes.path_search import SLOPE_COST
+from lane_dp_ros.core.types import LaneEvidence, LaneLine
 
 SELECTION, LIMITS = LaneSelectionConfig(), VanishingPointConfig()
 PAINT = LaneEvidence(
     paint_width=0.15,
-    breadth=0.4,
+    wide_band_ratio=0.4,
     height=0.0,
     step=0.0,
     slope=0.3,  # more than a line along the axis may have
-    astray=0.02,
+    off_paint_fraction=0.02,
     roughness=0.05,
     contrast=0.5,
-    headroom=0.5,
+    saturation_contrast=0.5,
     brightness=0.5,
     run=10.0,
     dashes=1,
 )
 PALE = lane_selection.KERB_CONTRAST - 0.1
-KERB = replace(PAINT, contrast=PALE, headroom=PALE, step=lane_selection.KERB_STEP + 0.05)
+KERB = replace(PAINT, contrast=PALE, saturation_contrast=PALE, step=lane_selection.KERB_STEP + 0.05)
 STREAK = replace(PAINT, height=np.nan)
 ASKEW = np.tan(np.deg2rad(15))
 

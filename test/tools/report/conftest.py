@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.tools.evaluation import FrameResult
-from lane_dp_ros.tools.judging import judge
-from lane_dp_ros.tools.labels import Label, LabelledFrame
-from lane_dp_ros.tools.scenes import CAMERA, SIZE
+from lane_dp_ros.scenes import CAMERA, SIZE
+from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.matching import judge
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 HEIGHT = 1.65  # m
 GROUND = np.array([0.0, 100 * CAMERA.baseline / HEIGHT * CAMERA.fx / CAMERA.fy, 0.0, 0.0])
@@ -48,7 +48,7 @@ def frames() -> list[LabelledFrame]:
 
 
 @pytest.fixture(scope="module")
-def results(frames) -> list[FrameResult]:
+def results(frames) -> list[FrameScore]:
     """All right; L and LL missed; L found 0.05 m aside, a false line, a duplicate; LL not found."""
     lanes = [
         (lane(-1.8, 0.95), lane(1.8, 0.95), lane(-5.4, 0.85)),

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.bag import BagWriter
-from lane_dp_ros.tools.convert import StereoBagWriter
-from lane_dp_ros.tools.kitti import StereoImages
+from lane_dp_ros.messages.bag import BagWriter
+from lane_dp_ros.scenes import CAMERA
+from lane_dp_ros.tools.datasets.convert import StereoBagWriter
+from lane_dp_ros.tools.datasets.kitti import StereoImages
 from lane_dp_ros.tools.report import write_report
-from lane_dp_ros.tools.scenes import CAMERA
 
 WIDTHS = {"desktop": 1280, "phone": 390}
 P_LEFT = CAMERA.P_left

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.reliability import confidences, reliability
+from lane_dp_ros.scenes.categories import CATEGORIES
+from lane_dp_ros.tools.evaluation.reliability import confidences, reliability
+from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.report.chart import Axis, Chart
 from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
 from lane_dp_ros.tools.report.failures import Failure, counts_by_reason, failures, reason, worst_first
 from lane_dp_ros.tools.report.plots import plots
-from lane_dp_ros.tools.scenes.categories import CATEGORIES
-from lane_dp_ros.tools.summary import summarise
 
 
 def test_precision_and_recall_over_the_confidence(results):

@@ -12,20 +12,20 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import preset
-from lane_dp_ros.core.lane_detector import LaneDetector
-from lane_dp_ros.ros.conversions import image_to_ros
-from lane_dp_ros.tools.bag import BagWriter, bag_message
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.messages.bag import BagWriter, bag_message
+from lane_dp_ros.messages.conversions import image_to_ros
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.convert import time_message
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.judging import judge
-from lane_dp_ros.tools.labels import Label
+from lane_dp_ros.tools.datasets.convert import time_message
+from lane_dp_ros.tools.evaluation.annotations import Label
+from lane_dp_ros.tools.evaluation.matching import judge
+from lane_dp_ros.tools.evaluation.summary import by_sequence, summarise
+from lane_dp_ros.tools.evaluation.truth_file import save_truth
 from lane_dp_ros.tools.report import write_report
 from lane_dp_ros.tools.report.figure import data_uri
 from lane_dp_ros.tools.report.pictures import LEFT_BYTES
-from lane_dp_ros.tools.scenes import CAMERA
-from lane_dp_ros.tools.summary import by_sequence, summarise
-from lane_dp_ros.tools.truth import save_truth
 
 VOID = {"meta", "img", "input", "br", "wbr"}
 

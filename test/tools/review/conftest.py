@@ -14,17 +14,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.camera import StereoCamera
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.ros.conversions import image_to_ros, lanes_to_ros
-from lane_dp_ros.tools.bag import BagWriter, bag_message
-from lane_dp_ros.tools.convert import camera_info, time_message
+from lane_dp_ros.messages.bag import BagWriter, bag_message
+from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
+from lane_dp_ros.review.lines_as_truth import Grounds
+from lane_dp_ros.review.read_drive import read_drive
+from lane_dp_ros.review.review import Review
+from lane_dp_ros.review.review_file import ReviewFile
+from lane_dp_ros.review.server import ReviewServer
+from lane_dp_ros.tools.datasets.convert import camera_info, time_message
 from lane_dp_ros.tools.offline import load_config
-from lane_dp_ros.tools.review.lines_as_truth import Grounds
-from lane_dp_ros.tools.review.read_drive import read_drive
-from lane_dp_ros.tools.review.review import Review
-from lane_dp_ros.tools.review.review_file import ReviewFile
-from lane_dp_ros.tools.review.server import ReviewServer
 
 CAMERA = StereoCamera(fx=200.0, fy=200.0, cx=199.5, cy=60.0, baseline=0.5)
 P_LEFT = CAMERA.P_left

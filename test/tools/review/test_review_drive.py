@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.ros.conversions import lanes_to_ros
-from lane_dp_ros.tools.bag import STORAGES, BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.bag import STORAGES, BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.conversions import lanes_to_ros
+from lane_dp_ros.review.drive import Drive
+from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.review.drive import Drive
-from lane_dp_ros.tools.review.read_drive import read_drive
 
 
 def copied(bag: Path, path: Path, change=lambda _, message: message, storage: str = "mcap") -> Path:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.review.judgement import (
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.review.judgement import (
     Judgement,
     Line,
     Table,
@@ -21,7 +21,7 @@ from lane_dp_ros.tools.review.judgement import (
     lines_from_json,
     table_of,
 )
-from lane_dp_ros.tools.review.review_file import ReviewFile, locked
+from lane_dp_ros.review.review_file import ReviewFile, locked
 
 LINE = Line("7", "ego_left", "dashed", True, ((10.0, 190.0), (150.5, 80.25)))
 FIELDS = {"id": "7", "role": "ego_left", "kind": "solid", "sure": True, "uv": [[0, 1], [2.5, 3]]}
@@ -161,7 +161,7 @@ def test_other_lanes_than_those_that_were_judged(tmp_path) -> None:
 
 def test_the_lock_keeps_another_process_out(tmp_path) -> None:
     path = tmp_path / "drive.review.json"
-    code = "from lane_dp_ros.tools.review.review_file import locked\nfrom pathlib import Path\n"
+    code = "from lane_dp_ros.review.review_file import locked\nfrom pathlib import Path\n"
     code += f"with locked(Path({str(path)!r})): print('locked', flush=True); input()"
     with subprocess.Popen(
         [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True

@@ -12,7 +12,7 @@ from importlib import resources
 
 import pytest
 
-from lane_dp_ros.tools.review.handler import STATIC
+from lane_dp_ros.review.handler import STATIC
 
 
 def asked(served, method: str, path: str, body: str | None = None, **headers: str):
@@ -32,7 +32,7 @@ def posted(served, path: str, value: object, **headers: str):
 
 
 def test_every_file_of_the_page_is_served_and_allows_nothing_from_outside(served) -> None:
-    there = {path.name for path in (resources.files("lane_dp_ros.tools.review") / "static").iterdir()}
+    there = {path.name for path in (resources.files("lane_dp_ros.review") / "static").iterdir()}
     assert there == {name for name, _ in STATIC.values()}
     for path, (name, kind) in STATIC.items():
         status, headers, body = asked(served, "GET", path)

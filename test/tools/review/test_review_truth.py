@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.ros.conversions import lanes_from_ros
-from lane_dp_ros.tools.bag import BagReader, BagWriter
-from lane_dp_ros.tools.offline import load_config
-from lane_dp_ros.tools.review.command import detect_lanes
-from lane_dp_ros.tools.review.drive import Drive
-from lane_dp_ros.tools.review.judgement import Judgement, Line, lines_to_json
-from lane_dp_ros.tools.review.lines_as_truth import (
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.messages.conversions import lanes_from_ros
+from lane_dp_ros.review.command import detect_lanes
+from lane_dp_ros.review.drive import Drive
+from lane_dp_ros.review.judgement import Judgement, Line, lines_to_json
+from lane_dp_ros.review.lines_as_truth import (
     Grounds,
     detected_lines,
     ground_through,
@@ -23,10 +22,11 @@ from lane_dp_ros.tools.review.lines_as_truth import (
     known,
     simplified,
 )
-from lane_dp_ros.tools.review.read_drive import read_drive
-from lane_dp_ros.tools.review.review import Review
-from lane_dp_ros.tools.review.review_file import ReviewFile
-from lane_dp_ros.tools.truth import load_truth
+from lane_dp_ros.review.read_drive import read_drive
+from lane_dp_ros.review.review import Review
+from lane_dp_ros.review.review_file import ReviewFile
+from lane_dp_ros.tools.evaluation.truth_file import load_truth
+from lane_dp_ros.tools.offline import load_config
 
 CORRECT = Judgement("correct", "correct")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.road import RoadSurface
-from lane_dp_ros.tools.truth import load_truth
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
 ARROW_RIGHT = "\ue014"  # as WebDriver writes it
 

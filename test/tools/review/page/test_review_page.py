@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.tools.bag import BagReader, BagWriter
+from lane_dp_ros.messages.bag import BagReader, BagWriter
 
 ARROW_LEFT, SPACE = "\ue012", "\ue00d"  # as WebDriver writes them
 

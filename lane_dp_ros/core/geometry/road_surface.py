@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The road's geometry: its surface as a disparity function, and its axis as a heading and a curvature."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.geometry.camera import StereoCamera
+
+Array = NDArray[Any]  # floats; single precision in, single precision out
+
+PIXELS = 100.0  # rows and columns enter the polynomial in hundreds of pixels: coefficients of like size
+NEAR_DEPTH = 10.0  # m; where height and pitch are read off a surface that is not flat
+STRAIGHT = 1e-6  # 1/m; below, an arc is a straight line to float precision
+MIN_DEPTH = 1.0  # m; nearer ground is behind the bonnet and outside every view
+
+
+@dataclass(frozen=True)
+class RoadSurface:
+    """The road's surface, written as the disparity that the camera sees on it.
+
+    d(u, v) = b0 + b1 n + b2 n^2 + b3 m with n = (v - cy) / 100 and m = (u - cx) / 100 (Ozgunalp et al.
+    2017: the quadratic vertical profile f(v); b3 adds the roll of the camera against the road).
+    The ground coordinates of a pixel are x [m] right and z [m] ahead of the left camera.
+    """
+
+    camera: StereoCamera
+    coefficients: tuple[float, float, float, float]
+
+    @classmethod
+    def plane(cls, camera: StereoCamera, height: float, pitch: float) -> RoadSurface:
+        """Return the flat road seen from `height` [m] by a camera pitched down by `pitch` [rad], no roll."""
+        scale = camera.fx * camera.baseline / height
+        b0, b1 = scale * math.sin(pitch), scale * math.cos(pitch) * PIXELS / camera.fy
+        return cls(camera, (b0, b1, 0.0, 0.0))
+
+    def disparity(self, u: Array, v: Array) -> Array:
+        """Return the surface's disparity [px] at pixels (u, v)."""
+        b0, b1, b2, b3 = self.coefficients
+        n = (v - self.camera.cy) / PIXELS
+        return b0 + n * (b1 + b2 * n) + b3 * (u - self.camera.cx) / PIXELS
+
+    def gradient(self, v: Array) -> Array:
+        """Return the change of disparity per row, f'(v) [px/px]."""
+        _, b1, b2, _ = self.coefficients
+        return (b1 + 2 * b2 * (v - self.camera.cy) / PIXELS) / PIXELS
+
+    def ground_to_pixel(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return the pixels (u, v) of ground points; the root of the quadratic on the road's side."""
+        b0, b1, b2, b3 = self.coefficients
+        z = np.maximum(z, MIN_DEPTH)
+        m = x / z * (self.camera.fx / PIXELS)
+        c = b0 + b3 * m - self.camera.fx * self.camera.baseline / z
+        root = np.sqrt(np.maximum(b1 * b1 - 4 * b2 * c, 0))
+        return self.camera.cx + PIXELS * m, self.camera.cy - PIXELS * 2 * c / (b1 + root)
+
+    def pixel_to_ground(self, u: Array, v: Array) -> tuple[Array, Array]:
+        """Return the ground (x, z) [m] of pixels, NaN at and above the horizon."""
+        d = self.disparity(u, v)
+        z = self.camera.fx * self.camera.baseline / np.where(d > 0, d, np.nan)
+        return (u - self.camera.cx) * z / self.camera.fx, z
+
+    def height_above(self, disparity: Array, u: Array, v: Array) -> Array:
+        """Return how high [m] above the road the points lie that have `disparity` at pixels (u, v).
+
+        A point on the viewing ray at a fraction of the ground's distance stands that fraction lower below
+        the camera; NaN where the disparity is.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.camera_height * (1 - self.disparity(u, v) / disparity)
+
+    @cached_property
+    def camera_height(self) -> float:
+        """Height [m] of the camera above the road near the vehicle."""
+        return float(self.camera.fx * self.camera.baseline * np.cos(self.pitch) / self._slope)
+
+    @cached_property
+    def pitch(self) -> float:
+        """Angle [rad] by which the camera looks down on the road near the vehicle: atan((cy - v_vp) / fy)."""
+        return float(np.arctan2(self.camera.cy - self.horizon(self.near_row), self.camera.fy))
+
+    @property
+    def roll(self) -> float:
+        """Angle [rad] of the road's cross slope in the image."""
+        return float(np.arctan2(self.coefficients[3], self.coefficients[1]))
+
+    @property
+    def gradient_u(self) -> float:
+        """The change of disparity per column [px/px]: the road's cross slope."""
+        return self.coefficients[3] / PIXELS
+
+    def horizon(self, v: Array | float) -> Array:
+        """Return v_vp(v) = v - f(v) / f'(v), the horizon of the road at row v (Ozgunalp et al. 2017)."""
+        v = np.asarray(v, dtype=np.float64)
+        return v - self.disparity(np.full_like(v, self.camera.cx), v) / self.gradient(v)
+
+    @cached_property
+    def near_row(self) -> float:
+        """The image row that shows the road `NEAR_DEPTH` ahead."""
+        return float(self.ground_to_pixel(np.zeros(1), np.full(1, NEAR_DEPTH))[1][0])
+
+    @property
+    def _slope(self) -> float:
+        """Change of disparity [px] per unit of (v - cy) / fy near the vehicle."""
+        return float(self.gradient(np.full(1, self.near_row))[0]) * self.camera.fy
+
+
+@dataclass(frozen=True)
+class RoadAxis:
+    """The direction of the road over the ground: an arc through the camera's foot.
+
+    `heading` [rad] is the arc's direction at the camera, positive to the right of the optical axis;
+    `curvature` [1/m] is positive where the road bends to the right. Road coordinates are s [m] along the
+    arc and n [m] to its right; lines of constant n are concentric with it. (The dense vanishing point of
+    Ozgunalp et al. 2017 in metric form: two numbers in place of a quartic u_vp(v).)
+    """
+
+    heading: float = 0.0
+    curvature: float = 0.0
+
+    def to_ground(self, s: Array, n: Array) -> tuple[Array, Array]:
+        """Return the ground (x, z) [m] of road coordinates."""
+        direction = self.heading + self.curvature * s
+        if abs(self.curvature) < STRAIGHT:
+            x, z = math.sin(self.heading) * s, math.cos(self.heading) * s
+        else:
+            x = (math.cos(self.heading) - np.cos(direction)) / self.curvature
+            z = (np.sin(direction) - math.sin(self.heading)) / self.curvature
+        return x + n * np.cos(direction), z - n * np.sin(direction)
+
+    def from_ground(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return the road coordinates (s, n) [m] of ground points."""
+        c, h = self.curvature, self.heading
+        if abs(c) < STRAIGHT:
+            return x * math.sin(h) + z * math.cos(h), self.offset(x, z)
+        to_x, to_z = self._from_centre(x, z)
+        side = math.copysign(1.0, c)
+        s = np.arctan2(side * to_z, -side * to_x) - h
+        s = (s + np.pi) % (2 * np.pi) - np.pi
+        return s / c, self.offset(x, z)
+
+    def offset(self, x: Array, z: Array) -> Array:
+        """Return n alone."""
+        c, h = self.curvature, self.heading
+        if abs(c) < STRAIGHT:
+            return np.asarray(x * math.cos(h) - z * math.sin(h))
+        to_x, to_z = self._from_centre(x, z)
+        return np.asarray(1 / c - math.copysign(1.0, c) * np.hypot(to_x, to_z))
+
+    def _from_centre(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return the ground points seen from the arc's centre."""
+        return x - math.cos(self.heading) / self.curvature, z + math.sin(self.heading) / self.curvature

@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A second look for the vehicle's own lane: faint lines parallel to the strongest one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.dp.robust_fit import tukey_fit
+from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap
+
+Floats = NDArray[np.float64]
+
+SMOOTHING = 2.0  # m along the line, over which contrast is averaged: faint paint adds up, texture does not
+CONTRAST_MIN, CONTRAST_MAX = 0.4, 1.4  # of the averaged contrast: no paint, certain paint
+CONTRAST_CAP = 2.5  # one bright spot counts no more than this
+BLANK_COST = 0.15  # m of paint that a metre of blank road costs
+SCORE_MIN = 1.8  # m of paint
+EGO_MAX = 3.0  # m; how far aside the own lane's border can be
+TEN_METRES = 10.0  # the unit of s in the fit, to condition it
+RIDGE = np.diag([1e-6, 2.0])  # rows of paint; a parallel is moved freely and turned a little
+TOLERANCE, ROUNDS = 0.2, 5  # m; paint farther from the line is not its own
+
+
+def parallel_lines(
+    lines: Sequence[LaneLine], view: BirdsEyeView, graph: PaintMap, config: LaneSelectionConfig
+) -> list[LaneLine]:
+    """Return faint lines that run parallel to the strongest of `lines` where the own lane lacks a border.
+
+    Each lies one lane's width from a given line, on a side of the vehicle that has none; strongest first.
+    Empty where both sides have one or there is no line to be parallel to.
+    """
+    if not lines:
+        return []
+    strongest = max(lines, key=lambda line: line.score)
+    shape = np.interp(view.s, strongest.s, strongest.n) - strongest.n[0]
+    offsets = [float(np.median(line.n - np.interp(line.s, view.s[::-1], shape[::-1]))) for line in lines]
+    missing = [side for side in (-1, 1) if not any(0 < side * n < config.lane_width_max for n in offsets)]
+    if not missing:
+        return []
+    gain = _gain(view, graph, shape)
+    score, first, last = best_stretches(gain[::-1])
+    found = []
+    for column in np.argsort(-score):
+        n = view.n[column]
+        if score[column] < SCORE_MIN:
+            break
+        gaps = [abs(n - other) for other in offsets]
+        if any(0 < side * n < EGO_MAX for side in missing) and (
+            config.lane_width_min <= min(gaps) <= config.lane_width_max
+        ):
+            rows = len(view.s) - 1 - np.arange(first[column], last[column] + 1)
+            found.append(_fitted(view, graph, rows, n + shape[rows], float(score[column])))
+            offsets.append(float(n))
+            missing = [side for side in missing if side * n < 0]
+    return found
+
+
+def best_stretches(
+    gain: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.intp], NDArray[np.intp]]:
+    """Return the largest sum of consecutive rows of each column of `gain`, and its first and last row.
+
+    `gain` (rows, columns). Kadane's algorithm on all columns at once; the sum is 0 where no row gains.
+    """
+    columns = gain.shape[1]
+    current, best = np.zeros(columns, np.float32), np.zeros(columns, np.float32)
+    start, first, last = (np.zeros(columns, np.intp) for _ in range(3))
+    for row, values in enumerate(gain):
+        start[current <= 0] = row
+        current = np.maximum(current, 0) + values
+        better = current > best
+        best[better], first[better], last[better] = current[better], start[better], row
+    return best, first, last
+
+
+def _gain(view: BirdsEyeView, graph: PaintMap, shape: Floats) -> NDArray[np.float32]:
+    """Return the gain [m] of each row of the line n(s) = n[column] + shape(s), (rows, columns)."""
+    per_row, per_column = view.resolution
+    columns = np.arange(len(view.n), dtype=np.float32)
+    map_u = (columns[None] + (shape / per_column)[:, None]).astype(np.float32)
+    map_v = np.repeat(np.arange(len(view.s), dtype=np.float32)[:, None], len(columns), axis=1)
+    contrast = np.where(graph.seen, np.clip(graph.contrast, -1, CONTRAST_CAP), 0).astype(np.float32)
+    moved = cv2.remap(
+        contrast, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=-1
+    )
+    smooth = cv2.blur(cv2.dilate(moved, np.ones((1, 3), np.uint8)), (1, round(SMOOTHING / per_row)))
+    paint = np.clip((smooth - CONTRAST_MIN) / (CONTRAST_MAX - CONTRAST_MIN), 0, 1)
+    return np.asarray((paint - BLANK_COST) * per_row, dtype=np.float32)
+
+
+def _fitted(
+    view: BirdsEyeView, graph: PaintMap, rows: NDArray[np.intp], parallel: Floats, score: float
+) -> LaneLine:
+    """Return the line n = `parallel` (N,) [m], moved and turned a little onto the centres of its paint."""
+    n, weight = view.paint_centres(graph, rows, view.columns(parallel))
+    s = view.s[rows]
+    A = np.vander((s - s.mean()) / TEN_METRES, 2, increasing=True)
+    b = tukey_fit(A, n - parallel, weight + 1e-6, RIDGE, np.full(ROUNDS, TOLERANCE))
+    return LaneLine(rows, s, A @ b + parallel, 0.0, score)

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The road's surface over time: what a pair shows is held, and serves where the next ones show none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.geometry.road_surface import NEAR_DEPTH, PIXELS, RoadSurface
+
+Source = Literal["measured", "last", "nominal"]
+
+NS_PER_S = 1_000_000_000
+MEMORY_NS = NS_PER_S  # a longer jump of time, or one backwards, and everything is forgotten
+HOLD_NS = 5 * NS_PER_S  # then the road that was measured is long behind the vehicle
+CONVINCED_NS = NS_PER_S  # for which measured roads that contradict the held one must agree with one another
+
+QUANTITIES = ("camera height", "pitch", "roll", "vertical curvature")
+UNITS = ("m", "rad", "rad", "1/m")
+# s; load and cross slope last, the vehicle pitches in a fraction of a second, hills come and go
+TIME_CONSTANTS = np.array([2.0, 0.2, 2.0, 0.5])
+# Farther from the held value is another road: a step of load, a bump, a ramp, a hill stay within.
+TOLERANCES = np.array([0.15, 0.04, 0.04, 4e-3])
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RoadEstimate:
+    """The surface that serves for a frame, where it is from, and why it is not that frame's own."""
+
+    surface: RoadSurface
+    source: Source
+    reason: str = ""
+
+
+def geometry(surface: RoadSurface) -> Floats:
+    """Return camera height [m], pitch [rad], roll [rad] and vertical curvature [1/m] of a surface.
+
+    The curvature, of the road's height over the depth `NEAR_DEPTH` ahead, is positive where it climbs more
+    and more.
+    """
+    height, pitch = surface.camera_height, surface.pitch
+    curvature = surface.coefficients[2] * _curvature_unit(surface, height, pitch)
+    return np.array([height, pitch, surface.roll, curvature])
+
+
+def surface_of(like: RoadSurface, values: Floats) -> RoadSurface:
+    """Return the surface, seen by the camera of `like`, that has this `geometry`."""
+    height, pitch, roll, curvature = map(float, values)
+    camera = like.camera
+    near = camera.fx * camera.baseline / NEAR_DEPTH
+    slope = camera.fx * camera.baseline * math.cos(pitch) / height * PIXELS / camera.fy  # at NEAR_DEPTH
+    b2 = curvature / _curvature_unit(like, height, pitch)
+    n = near / slope - math.tan(pitch) * camera.fy / PIXELS
+    b1 = slope - 2 * b2 * n
+    return RoadSurface(camera, (near - n * (b1 + b2 * n), b1, b2, b1 * math.tan(roll)))
+
+
+def _curvature_unit(surface: RoadSurface, height: float, pitch: float) -> float:
+    """Return the vertical curvature [1/m] of b2 = 1: d^2y/dz^2 by the second derivative of d(v)."""
+    camera = surface.camera
+    forward = (height / (NEAR_DEPTH * math.cos(pitch))) ** 3
+    return 2 * (camera.fy / PIXELS) ** 2 * forward / (camera.fx * camera.baseline)
+
+
+class _Road:
+    """A road over time, each of its quantities as slow as it is by its nature (first-order low-pass)."""
+
+    def __init__(self, values: Floats, stamp_ns: int) -> None:
+        self.values = values
+        self.first_ns = self.last_ns = stamp_ns
+        self._count = 1
+
+    def contradiction(self, values: Floats) -> str:
+        """Return what does not fit, empty where all does."""
+        excess = np.abs(values - self.values) / TOLERANCES
+        worst = int(excess.argmax())
+        if excess[worst] <= 1:
+            return ""
+        held, found = self.values[worst], values[worst]
+        return f"{QUANTITIES[worst]} {found:.3g} {UNITS[worst]} after {held:.3g}"
+
+    def take_in(self, values: Floats, stamp_ns: int) -> None:
+        """Move towards the values of a frame; the first ones are averaged."""
+        self._count += 1
+        gain = np.maximum(1 / self._count, 1 - np.exp(-(stamp_ns - self.last_ns) / NS_PER_S / TIME_CONSTANTS))
+        self.values = self.values + gain * (values - self.values)
+        self.last_ns = stamp_ns
+
+
+class RoadFilter:
+    """Tells which surface serves for each frame: the measured one, the last ones, or the nominal one.
+
+    A measured surface that contradicts the held ones is not used, unless such surfaces agree with one another
+    for a second: then it was the held one that was wrong. The held one serves for five seconds.
+    """
+
+    def __init__(self) -> None:
+        self._held: _Road | None = None
+        self._rival: _Road | None = None
+        self._stamp_ns = 0
+        self._camera: object = None
+
+    def update(self, measured: RoadSurface | None, nominal: RoadSurface, stamp_ns: int) -> RoadEstimate:
+        """Return what serves for the frame of `stamp_ns`, whose own surface is `measured`, None for none.
+
+        `nominal` is the surface by the camera's nominal height and pitch.
+        """
+        self._forget(nominal, stamp_ns)
+        reason = "" if measured is None else self._contradiction(geometry(measured), stamp_ns)
+        if measured is not None and not reason:
+            return RoadEstimate(measured, "measured")
+        if self._held is None:
+            return RoadEstimate(nominal, "nominal", reason)
+        return RoadEstimate(surface_of(nominal, self._held.values), "last", reason)
+
+    def _forget(self, nominal: RoadSurface, stamp_ns: int) -> None:
+        jumped = not 0 <= stamp_ns - self._stamp_ns <= MEMORY_NS
+        if jumped or nominal.camera != self._camera:
+            self._held = self._rival = None
+        elif self._held is not None and stamp_ns - self._held.last_ns > HOLD_NS:
+            self._held = None
+        self._stamp_ns, self._camera = stamp_ns, nominal.camera
+
+    def _contradiction(self, values: Floats, stamp_ns: int) -> str:
+        """Take a measured road in; return how it contradicts the held one, empty where it does not."""
+        reason = self._held.contradiction(values) if self._held is not None else ""
+        if reason and not self._convinced(values, stamp_ns):
+            return reason
+        if reason or self._held is None:
+            self._held = _Road(values, stamp_ns)
+        else:
+            self._held.take_in(values, stamp_ns)
+        self._rival = None
+        return ""
+
+    def _convinced(self, values: Floats, stamp_ns: int) -> bool:
+        """Take in a road that contradicts; return whether such ones have agreed for long enough."""
+        if self._rival is None or self._rival.contradiction(values):
+            self._rival = _Road(values, stamp_ns)
+        else:
+            self._rival.take_in(values, stamp_ns)
+        return stamp_ns - self._rival.first_ns >= CONVINCED_NS

@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lanes over time: the same painted line keeps its id, runs smoothly, and outlasts a short loss."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lane_dp_ros.core.config import TrackingConfig
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.lanes.lifting import ego_roles
+from lane_dp_ros.core.tracking.frenet_line import FrenetLine
+from lane_dp_ros.core.tracking.track import Detection, Track, TrackManager
+
+MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
+SEEN_OFTEN = 5  # frames; what only looks like a line is mostly seen in fewer
+ASTRAY = 0.15  # rad; no line runs off the road's direction by more
+NEW_BESIDE = 1.0  # m; a line that appears nearer to a lost one takes its place
+TOUCHING = 0.2  # m; nearer, lines that were seen side by side have merged
+FARTHEST = 1000.0  # m
+BORDER = 0.25  # m at the border of the view, in which a line and the road on both sides of it find no room
+DOUBT = 1.0  # 1/s; by so much of it a lost line's confidence falls
+
+
+class LaneTracker:
+    """Follows lanes from frame to frame.
+
+    It answers from the first frame on, which it leaves as it is. Lines that are seen again are smoothed; one
+    that was seen often and is lost is published where it must be by now, for `coast_time`, if nothing
+    contradicts, and so is one that was found on the paint of another; a line that comes back within a second
+    keeps its id. Unless `enabled`, lines get ids only.
+
+    `half_width` [m] is that of the view in which lines are found: one that leaves it sideways is not lost.
+    """
+
+    def __init__(self, config: TrackingConfig | None = None) -> None:
+        self.config = config or TrackingConfig()
+        self.half_width = np.inf
+        self._memory = TrackManager()
+        self._stamp_ns: int | None = None
+        self._next_id = 0
+
+    def update(self, lanes: Sequence[Lane], stamp_ns: int) -> tuple[Lane, ...]:
+        """Return what is to be published for the frame of `stamp_ns`, in the left optical frame.
+
+        First the lanes given, in their order, then those lost and bridged; all with their ids. A lane without
+        points, or with numbers that are none or beyond every road, is dropped.
+        """
+        lanes = [lane for lane in lanes if _is_usable(lane)]
+        self._advance(lanes, stamp_ns)
+        found = self._identified(lanes, stamp_ns)
+        fresh = [i for i, line in self._memory.lines.items() if self._is_fresh(line, stamp_ns)]
+        strayed = self._memory.observe(found, may_stray=fresh)
+        published = tuple(
+            self._bridged(identity, stamp_ns)
+            if identity in strayed
+            else self._remember(identity, seen, stamp_ns)
+            for identity, seen in found.items()
+        )
+        others = [self._memory.lines[identity] for identity in found]
+        lost = [i for i, line in self._lost(found, stamp_ns).items() if _stands(line, others)]
+        bridged = tuple(self._bridged(identity, stamp_ns) for identity in lost)
+        return _with_roles(published + bridged) if strayed or bridged else published
+
+    def _advance(self, lanes: Sequence[Lane], stamp_ns: int) -> None:
+        """Move what is known on to this frame's time; begin anew when nothing is known or time jumps."""
+        elapsed = 0 if self._stamp_ns is None else stamp_ns - self._stamp_ns
+        self._stamp_ns = stamp_ns
+        self._memory.forget(stamp_ns - MEMORY_NS)
+        if self._memory.lines and 0 <= elapsed <= MEMORY_NS:
+            self._memory.advance(elapsed / 1e9)
+        else:
+            self._memory = TrackManager(lanes)
+
+    def _identified(self, lanes: Sequence[Lane], stamp_ns: int) -> dict[int, Detection]:
+        """Return the lanes by id, without new ones that contradict lines that are lost."""
+        axis = self._memory.axis
+        sightings = [Detection(lane, FrenetLine.of(lane.points, axis)) for lane in lanes]
+        ids = self._memory.match(sightings)
+        lost = self._lost(set(ids.values()), stamp_ns)
+        found = {}
+        for i, seen in enumerate(sightings):
+            if i in ids:
+                found[ids[i]] = seen
+            elif not lost or seen.course.strays(axis) <= ASTRAY:
+                found[self._next_id] = seen
+                self._next_id += 1
+        return found
+
+    def _lost(self, seen: Collection[int], stamp_ns: int) -> dict[int, Track]:
+        """Return the lines to bridge: established, not seen now, but a moment ago, and still in view."""
+        return {
+            identity: line
+            for identity, line in self._memory.lines.items()
+            if identity not in seen
+            and line.hits >= SEEN_OFTEN
+            and self._is_fresh(line, stamp_ns)
+            and self._is_in_view(line)
+        }
+
+    def _is_in_view(self, line: Track) -> bool:
+        aside = np.abs(line.course.offsets(self._memory.axis))
+        return bool(np.median(aside) < self.half_width - BORDER)
+
+    def _is_fresh(self, line: Track, stamp_ns: int) -> bool:
+        """Whether a line was seen so short a time ago that it may be bridged."""
+        limit_ns = self.config.coast_time * 1e9 if self.config.enabled else -1
+        return stamp_ns - line.last_seen_ns <= limit_ns
+
+    def _remember(self, identity: int, seen: Detection, stamp_ns: int) -> Lane:
+        """Return what is published of a line that is seen, and keep it in mind."""
+        line = self._memory.lines.get(identity)
+        lane = replace(seen.lane, id=identity)
+        if line is None:
+            offset = lane.lateral_offset
+            self._memory.lines[identity] = Track(lane, seen.course, offset, stamp_ns, stamp_ns)
+            return lane
+        course = seen.course
+        if self.config.enabled:
+            course = self._memory.smoothed(identity, course)
+            lane = replace(lane, points=course.points(self._memory.axis))
+        line.lane, line.course, line.offset = lane, course, lane.lateral_offset
+        line.last_seen_ns, line.hits = stamp_ns, line.hits + 1
+        return lane
+
+    def _bridged(self, identity: int, stamp_ns: int) -> Lane:
+        """Return a line that is not seen where it must be by now, with less confidence."""
+        line = self._memory.lines[identity]
+        age = (stamp_ns - line.last_seen_ns) / 1e9
+        confidence = line.lane.confidence * (1 - DOUBT * age)
+        points = line.course.points(self._memory.axis)
+        return replace(line.lane, points=points, confidence=confidence, lateral_offset=line.offset)
+
+
+def _is_usable(lane: Lane) -> bool:
+    numbers = np.append(lane.points, lane.lateral_offset)
+    return len(numbers) > 1 and bool(np.all(np.abs(numbers) < FARTHEST))
+
+
+def _stands(line: Track, found: Iterable[Track]) -> bool:
+    """Whether nothing that is seen contradicts a lost line: nothing new beside it, nothing across it."""
+    for other in found:
+        aside = line.course.aside(other.course)
+        near = TOUCHING if other.born_ns <= line.last_seen_ns else NEW_BESIDE
+        if len(aside) and (np.min(np.abs(aside)) < near or np.ptp(np.sign(aside)) > 0):
+            return False
+    return True
+
+
+def _with_roles(lanes: Sequence[Lane]) -> tuple[Lane, ...]:
+    roles = ego_roles([lane.lateral_offset for lane in lanes])
+    return tuple(replace(lane, role=role) for lane, role in zip(lanes, roles, strict=True))

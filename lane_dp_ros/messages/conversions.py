@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""ROS messages to arrays, cameras and lanes, and back.
+
+Nothing here imports ROS. Messages come in duck-typed and go out through `make(type_name, **fields)`,
+so that the same functions serve rclpy's messages (`lane_dp_ros.ros.rclpy_message.rclpy_message`) and those of
+the rosbags library (`lane_dp_ros.messages.bag.bag_message`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.lane import Lane
+
+Image8 = NDArray[np.uint8]
+Make = Callable[..., Any]
+
+
+class Encoding(NamedTuple):
+    """How the pixels of a sensor_msgs/Image lie in its bytes, and how they become gray or BGR."""
+
+    channels: int
+    depth_bytes: int
+    to_bgr: int | None  # code for cv2.cvtColor; None: gray or BGR already
+
+
+# ROS names a Bayer pattern by its first two rows ("rggb"), OpenCV's classic names by the second
+# row's second and third pixel (BG); OpenCV's newer names, used here, are those of ROS.
+ENCODINGS = {
+    "mono8": Encoding(1, 1, None),
+    "bgr8": Encoding(3, 1, None),
+    "rgb8": Encoding(3, 1, cv2.COLOR_RGB2BGR),
+    "bgra8": Encoding(4, 1, cv2.COLOR_BGRA2BGR),
+    "rgba8": Encoding(4, 1, cv2.COLOR_RGBA2BGR),
+    "mono16": Encoding(1, 2, None),
+    "bayer_rggb8": Encoding(1, 1, cv2.COLOR_BayerRGGB2BGR),
+    "bayer_bggr8": Encoding(1, 1, cv2.COLOR_BayerBGGR2BGR),
+    "bayer_gbrg8": Encoding(1, 1, cv2.COLOR_BayerGBRG2BGR),
+    "bayer_grbg8": Encoding(1, 1, cv2.COLOR_BayerGRBG2BGR),
+}
+# Bytes without which a compressed image was cut off: decoders fill the missing rows with gray.
+ENDS = {"JPEG": (b"\xff\xd8\xff", b"\xff\xd9"), "PNG": (b"\x89PNG", b"IEND")}
+
+
+def image_from_ros(msg: Any) -> Image8:
+    """Return the picture of a sensor_msgs/Image as uint8, (H, W) gray or (H, W, 3) BGR.
+
+    `step` padding and big-endian data are honoured; the result may share the message's memory. 16-bit
+    pixels are shifted down so that the brightest one fills the 8 bits, see `stereo_images_from_ros`.
+    Raises ValueError for an unsupported encoding, an empty image, or bytes too few for its size.
+    """
+    image = _pixels(msg)
+    return _to_uint8(image, _significant_bits(image))
+
+
+def compressed_image_from_ros(msg: Any) -> Image8:
+    """Return the picture of a sensor_msgs/CompressedImage (JPEG, PNG) as `image_from_ros` does.
+
+    Raises ValueError for data that is not a whole JPEG or PNG image.
+    """
+    image = _decoded(msg)
+    return _to_uint8(image, _significant_bits(image))
+
+
+def stereo_images_from_ros(left: Any, right: Any) -> tuple[Image8, Image8]:
+    """Return the pictures of two messages, both sensor_msgs/Image or both CompressedImage.
+
+    16-bit pixels keep 8 bits below the highest bit in use of 10, 12, 14 or 16, judged by the brightest
+    pixel of *both* images: a 12-bit camera does not come out black, and left and right keep the same scale.
+    Raises ValueError as `image_from_ros` does, naming the side.
+    """
+    images = [_side(side, msg) for side, msg in (("left", left), ("right", right))]
+    bits = max(_significant_bits(image) for image in images)
+    return _to_uint8(images[0], bits), _to_uint8(images[1], bits)
+
+
+def left_image_from_ros(left: Any) -> Image8:
+    """Return the picture of a left image that came alone. Raises ValueError as `stereo_images_from_ros`."""
+    image = _side("left", left)
+    return _to_uint8(image, _significant_bits(image))
+
+
+def _side(side: str, msg: Any) -> NDArray[Any]:
+    try:
+        return _decoded(msg) if hasattr(msg, "format") else _pixels(msg)
+    except ValueError as error:
+        raise ValueError(f"{side} image: {error}") from error
+
+
+def _pixels(msg: Any) -> NDArray[Any]:
+    """Return the pixels, uint8 (H, W) or (H, W, 3) BGR or uint16 (H, W), of a sensor_msgs/Image."""
+    encoding = ENCODINGS.get(msg.encoding)
+    if encoding is None:
+        raise ValueError(f"encoding is {msg.encoding!r}, expected one of {', '.join(ENCODINGS)}")
+    height, width, step = int(msg.height), int(msg.width), int(msg.step)
+    if height < 1 or width < 1:
+        raise ValueError(f"size is {width}x{height}, expected at least 1x1")
+    row_bytes = width * encoding.channels * encoding.depth_bytes
+    if step < row_bytes:
+        raise ValueError(f"step is {step} bytes, expected >= {row_bytes} ({width} px of {msg.encoding})")
+    data = np.frombuffer(msg.data, np.uint8)
+    if data.size < step * height:
+        expected = f"{step * height} (step {step} x height {height})"
+        raise ValueError(f"data has {data.size} bytes, expected {expected}")
+    rows = np.ascontiguousarray(data[: step * height].reshape(height, step)[:, :row_bytes])
+    if encoding.depth_bytes == 2:
+        return rows.view(">u2" if msg.is_bigendian else "<u2").astype(np.uint16, copy=False)
+    pixels = rows if encoding.channels == 1 else rows.reshape(height, width, encoding.channels)
+    return pixels if encoding.to_bgr is None else cv2.cvtColor(pixels, encoding.to_bgr)
+
+
+def _decoded(msg: Any) -> NDArray[Any]:
+    """Return the pixels, uint8 or uint16, (H, W) or (H, W, 3) BGR, of a sensor_msgs/CompressedImage."""
+    data = bytes(msg.data)
+    kind = next((kind for kind, (start, _) in ENDS.items() if data.startswith(start)), None)
+    if kind is None or "compressedDepth" in msg.format:
+        raise ValueError(f"format is {msg.format!r}, {len(data)} bytes, expected a JPEG or PNG image")
+    if ENDS[kind][1] not in data:
+        raise ValueError(f"{kind} data ends early after {len(data)} bytes, expected a whole image")
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
+    if image is None:
+        raise ValueError(f"{kind} data of {len(data)} bytes cannot be decoded, expected a whole image")
+    mosaic = ENCODINGS.get(msg.format.partition(";")[0].strip())  # "bayer_rggb8; png compressed ..."
+    if image.ndim == 2 and mosaic is not None and mosaic.channels == 1 and mosaic.to_bgr is not None:
+        return cv2.cvtColor(image, mosaic.to_bgr)
+    return image
+
+
+def _significant_bits(image: NDArray[Any]) -> int:
+    """Return 8, 10, 12, 14 or 16: how many bits per pixel the camera that took this picture uses."""
+    if image.dtype == np.uint8:
+        return 8
+    used = int(image.max()).bit_length()
+    return max(8, used + used % 2)
+
+
+def _to_uint8(image: NDArray[Any], bits: int) -> Image8:
+    return image if image.dtype == np.uint8 else (image >> (bits - 8)).astype(np.uint8)
+
+
+def image_to_ros(image: Image8, header: Any, make: Make) -> Any:
+    """Return a uint8 picture, (H, W) gray or (H, W, 3) BGR, as sensor_msgs/Image mono8 or bgr8.
+
+    Raises ValueError for an array of another type or shape.
+    """
+    if image.dtype != np.uint8 or not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)):
+        raise ValueError(f"image is {image.dtype} {image.shape}, expected uint8 (H, W) or (H, W, 3)")
+    height, width = image.shape[:2]
+    return make(
+        "sensor_msgs/msg/Image",
+        header=header,
+        height=height,
+        width=width,
+        encoding="mono8" if image.ndim == 2 else "bgr8",
+        is_bigendian=0,
+        step=image.size // height,
+        data=np.ascontiguousarray(image).reshape(-1),
+    )
+
+
+def camera_from_ros(left_info: Any, right_info: Any) -> StereoCamera:
+    """Return the stereo camera that two sensor_msgs/CameraInfo messages describe (their P).
+
+    Raises ValueError for sizes that differ or values that make no stereo camera.
+    """
+    left, right = ((int(info.width), int(info.height)) for info in (left_info, right_info))
+    if left != right:
+        raise ValueError(f"CameraInfo is {_size(left)} left and {_size(right)} right, expected equal sizes")
+    return StereoCamera.from_projections(left_info.p, right_info.p)
+
+
+def _size(size: tuple[int, int]) -> str:
+    return f"{size[0]}x{size[1]}"
+
+
+# Marker constants of visualization_msgs/msg/Marker.
+LINE_STRIP, ADD, DELETEALL = 4, 0, 3
+NAMESPACE_OF_ALL = "lanes"
+COLOURS = {"ego_left": (0.1, 0.9, 0.2), "ego_right": (0.1, 0.5, 1.0), "other": (1.0, 0.8, 0.1)}
+
+
+def lanes_to_ros(lanes: tuple[Lane, ...], header: Any, make: Make, lifetime: float) -> Any:
+    """Return lanes as visualization_msgs/MarkerArray: DELETEALL, then one LINE_STRIP for each lane.
+
+    `header` is the left image's; `lifetime` [s] is how long a viewer keeps them.
+    """
+    clear = make("visualization_msgs/msg/Marker", header=header, ns=NAMESPACE_OF_ALL, action=DELETEALL)
+    seconds, fraction = divmod(float(lifetime), 1.0)
+    duration = make("builtin_interfaces/msg/Duration", sec=int(seconds), nanosec=int(fraction * 1e9))
+    markers = [_marker(lane, header, make, duration) for lane in lanes]
+    return make("visualization_msgs/msg/MarkerArray", markers=[clear, *markers])
+
+
+def _marker(lane: Lane, header: Any, make: Make, lifetime: Any) -> Any:
+    red, green, blue = COLOURS[lane.role]
+    return make(
+        "visualization_msgs/msg/Marker",
+        header=header,
+        ns=lane.role,
+        id=int(lane.id),
+        type=LINE_STRIP,
+        action=ADD,
+        pose=make("geometry_msgs/msg/Pose", orientation=make("geometry_msgs/msg/Quaternion", w=1.0)),
+        scale=make("geometry_msgs/msg/Vector3", x=float(lane.paint_width)),
+        color=make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=float(lane.confidence)),
+        lifetime=lifetime,
+        points=[make("geometry_msgs/msg/Point", x=x, y=y, z=z) for x, y, z in lane.points.tolist()],
+    )
+
+
+def lanes_from_ros(marker_array: Any) -> tuple[Lane, ...]:
+    """Return the lanes of a visualization_msgs/MarkerArray, as `lanes_to_ros` wrote them.
+
+    A message does not carry `curvature` and `lateral_offset`: they come from a parabola x(z) fitted to
+    the points.
+    """
+    strips = (m for m in marker_array.markers if m.action == ADD and m.type == LINE_STRIP and m.points)
+    return tuple(_lane(marker) for marker in strips)
+
+
+def _lane(marker: Any) -> Lane:
+    points = np.array([[p.x, p.y, p.z] for p in marker.points])
+    curvature, lateral_offset = _shape(points)
+    return Lane(
+        points=points,
+        confidence=float(marker.color.a),
+        paint_width=float(marker.scale.x),
+        role=marker.ns if marker.ns in COLOURS else "other",
+        curvature=curvature,
+        lateral_offset=lateral_offset,
+        id=int(marker.id),
+    )
+
+
+def _shape(points: NDArray[np.float64]) -> tuple[float, float]:
+    """Return curvature [1/m] and x [m], both at z = 0, of the parabola x(z) nearest to `points` (N, 3)."""
+    x, z = points[:, 0], points[:, 2]
+    powers = np.column_stack([z**2 / 2, z, np.ones_like(z)])
+    (second, slope, offset), *_ = np.linalg.lstsq(powers, x, rcond=None)
+    return float(second / (1 + slope**2) ** 1.5), float(offset)

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find the left images and the lanes of a drive in its bags, and join them by their stamps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.conversions import lanes_from_ros
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.stereo_bag import IMAGES
+from lane_dp_ros.review.drive import Drive, Frame, Topics, stamp_of
+from lane_dp_ros.tools.datasets.convert import progress
+
+MARKERS = "visualization_msgs/msg/MarkerArray"
+
+
+def find_topics(reader: BagReader) -> Topics:
+    """Return where the left images are; raw ones where there are both raw and compressed.
+
+    Raises CommandError, listing what is there, when there are no left images or those of several cameras.
+    """
+    for image, kind in IMAGES.items():
+        topic = _only(reader, f"/left/{image}", kind)
+        if topic and reader.message_count([topic]):
+            topics = Topics(topic.removesuffix(f"/left/{image}"), image)
+            if not reader.message_count([info := f"{topics.namespace}/left/camera_info"]):
+                raise _missing(reader, info)
+            return topics
+    raise _missing(reader, "left/image_rect or left/image_rect/compressed")
+
+
+def find_lanes(reader: BagReader) -> str | None:
+    """Return the topic of the lanes, None where there are none."""
+    topic = _only(reader, "/lanes", MARKERS)
+    return topic if topic and reader.message_count([topic]) else None
+
+
+def read_drive(bag: Path, lanes_bag: Path) -> Drive:
+    """Return the frames of `bag` with the lanes of `lanes_bag`, joined by their stamps.
+
+    Raises CommandError when no left image has lanes.
+    """
+    with BagReader(lanes_bag) as reader:
+        if (topic := find_lanes(reader)) is None:
+            raise _missing(reader, "lanes (visualization_msgs/msg/MarkerArray)")
+        lanes = dict(_read_lanes(reader, topic))
+    with BagReader(bag) as reader:
+        topics = find_topics(reader)
+        images = {stamp: (time_ns, infos) for stamp, time_ns, infos in _read_images(reader, topics)}
+    if not (common := sorted(images.keys() & lanes.keys())):
+        raise CommandError(
+            f"the lanes of {lanes_bag} are of {_span(lanes)}, the left images of {bag} of {_span(images)}: "
+            "no stamp in common"
+        )
+    frames = tuple(Frame(i, stamp, *images[stamp], lanes[stamp]) for i, stamp in enumerate(common))
+    _ = [frame.camera for frame in frames]  # what is wrong with a calibration is said before the first page
+    return Drive(bag, topics, frames, len(images) - len(frames))
+
+
+def _read_lanes(reader: BagReader, topic: str) -> Iterator[tuple[int, tuple[Lane, ...]]]:
+    for _, _, array in reader.messages([topic]):
+        if array.markers:  # without any there is no stamp
+            stamp = stamp_of(array.markers[0])
+            points = [(p.x, p.y, p.z) for marker in array.markers for p in marker.points]
+            if not np.all(np.isfinite(points)):
+                raise CommandError(f"{reader.path}: the lanes of stamp {stamp} ns hold NaN or infinity")
+            yield stamp, lanes_from_ros(array)
+
+
+def _read_images(reader: BagReader, topics: Topics) -> Iterator[tuple[int, int, dict[str, Any]]]:
+    """Yield stamp, time and camera infos (the last before, or else the first) of every left image."""
+    sides = topics.infos
+    there = [topic for topic in sides if reader.message_count([topic])]
+    infos = {sides[topic]: next(reader.messages([topic]))[2] for topic in there}
+    wanted = [topics.left, *sides]
+    for topic, time_ns, message in progress(reader.messages(wanted), reader.message_count(wanted), "msg"):
+        if topic in sides:
+            infos = {**infos, sides[topic]: message}
+        else:
+            yield stamp_of(message), time_ns, infos
+
+
+def _only(reader: BagReader, ending: str, kind: str) -> str | None:
+    found = sorted(t for t, type_name in reader.topics.items() if t.endswith(ending) and type_name == kind)
+    if len(found) > 1:
+        raise CommandError(f"{reader.path} has several topics {ending}: {', '.join(found)}, expected one")
+    return found[0] if found else None
+
+
+def _missing(reader: BagReader, wanted: str) -> CommandError:
+    there = ", ".join(f"{t} ({reader.message_count([t])})" for t in sorted(reader.topics)) or "no topics"
+    return CommandError(f"{reader.path} has no messages on {wanted}; it has {there}")
+
+
+def _span(by_stamp: dict[int, Any]) -> str:
+    stamps = sorted(by_stamp)
+    return f"{stamps[0] / 1e9:.3f} to {stamps[-1] / 1e9:.3f} s" if stamps else "no time at all"

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page's server: this machine only."""
+
+from __future__ import annotations
+
+import errno
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http import HTTPStatus
+from http.server import ThreadingHTTPServer
+from typing import Any
+
+from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.review.handler import ADDRESS, GONE, Handler, RefusedError
+from lane_dp_ros.review.review import Review
+
+
+class ReviewServer(ThreadingHTTPServer):
+    """Serves one review; bound to its port as soon as it is made.
+
+    Raises CommandError when the port is taken.
+    """
+
+    daemon_threads = True  # of connections; a browser leaves them open
+    review: Review
+
+    def __init__(self, port: int) -> None:
+        self.requests = Requests()
+        try:
+            super().__init__((ADDRESS, port), Handler)
+        except OSError as error:
+            hint = "--port names another one, 0 any that is free"
+            raise CommandError(f"cannot serve on port {port}: {one_line(error)}; {hint}") from None
+
+    @property
+    def url(self) -> str:
+        """Where the page is."""
+        return f"http://{ADDRESS}:{self.server_port}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Keep quiet about connections that were closed; show any other error that nobody expected."""
+        error = sys.exc_info()[1]
+        # An interrupt in the very moment of accepting a connection closes it before its thread looks at it.
+        closed_here = isinstance(error, OSError) and error.errno == errno.EBADF
+        if not closed_here and not isinstance(error, GONE):
+            super().handle_error(request, client_address)
+
+    def serve(self, review: Review) -> None:
+        """Answer until an exception such as KeyboardInterrupt ends it; the last request is then answered."""
+        self.review = review
+        try:
+            self.serve_forever(poll_interval=0.05)
+        finally:
+            self.requests.close()
+
+
+class Requests:
+    """The requests that are being answered.
+
+    None may be cut off at the end: the last change would be lost, and a process that ends while OpenCV is at
+    work in another thread aborts.
+    """
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._open, self._count = True, 0
+
+    @contextmanager
+    def one_more(self) -> Iterator[None]:
+        """Count a request. Raises RefusedError after the end: the file of judgements is no longer ours."""
+        with self._changed:
+            if not self._open:
+                raise RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, "this review was ended")
+            self._count += 1
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._count -= 1
+                self._changed.notify_all()
+
+    def close(self) -> None:
+        """Take no more, and wait for those that are being answered."""
+        with self._changed:
+            self._open = False
+            self._changed.wait_for(lambda: self._count == 0)

@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Start a lane_detector process, play a bag into it over DDS, and record what it publishes."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import Image
+from visualization_msgs.msg import MarkerArray
+
+from lane_dp_ros.messages.bag import BagReader, BagWriter, RawMessage
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.ros.bag_player import BagPlayer, ros_node
+
+Process = subprocess.Popen[bytes]
+
+OUTPUTS = {
+    "lanes": (MarkerArray, "visualization_msgs/msg/MarkerArray"),
+    "ipm/image": (Image, "sensor_msgs/msg/Image"),
+    "overlay/image": (Image, "sensor_msgs/msg/Image"),
+}
+START_TIMEOUT = 30.0  # s until the process has started and found us: a cold disk, a busy machine
+ANSWER_TIMEOUT = 3.0  # s without any answer: there are no more
+STOP_TIMEOUT = 5.0  # s until a process that does not end by itself is killed
+POLL = 0.02  # s
+PR_SET_PDEATHSIG = 1  # prctl: the signal that a process gets when its parent dies
+
+
+@dataclass
+class Session:
+    """When pairs went out and answers came back, on the monotonic clock [ns]."""
+
+    sent_ns: dict[int, int] = field(default_factory=dict)
+    """By recording time in the bag: when the last message of that time was published."""
+    answers: list[tuple[int, bytes]] = field(default_factory=list)
+    """When each `lanes` message came, and its serialised bytes."""
+    recorded: Counter[str] = field(default_factory=Counter)
+    """How many messages came, by topic."""
+
+
+def run_session(reader: BagReader, writer: BagWriter, log: Path, rate: float = 1.0) -> Session:
+    """Play a bag into a new lane_detector process and record its `lanes`, `ipm/image` and `overlay/image`.
+
+    The bag is played `rate` times as fast as it was recorded. All take place in a namespace of their own:
+    nothing reaches other nodes of this machine or network.
+    What the process prints goes to `log`. Raises CommandError when the node does not come up or ends early.
+    """
+    namespace = f"/lane_dp_demo_{os.getpid()}"
+    session = Session()
+    with _detector_process(namespace, log) as process, ros_node("lane_dp_demo", namespace) as node:
+        for topic, (message_class, type_name) in OUTPUTS.items():
+            callback = _recorder(session, writer, topic, type_name)
+            node.create_subscription(message_class, topic, callback, QoSProfile(depth=100), raw=True)
+        with _spinning(node):
+            player = BagPlayer(node, reader)
+            _wait_until_connected(node, player, process, log)
+            player.play(rate, lambda raw: session.sent_ns.update({raw.time_ns: time.monotonic_ns()}))
+            _wait_for_answers(session)
+            _check_alive(process, log)
+    return session
+
+
+def _recorder(session: Session, writer: BagWriter, topic: str, type_name: str) -> Callable[[bytes], None]:
+    def record(data: bytes) -> None:
+        """Write a message down, and when lanes came."""
+        if topic == "lanes":
+            session.answers.append((time.monotonic_ns(), data))
+        writer.write_raw(RawMessage(f"/{topic}", type_name, time.time_ns(), data))
+        session.recorded[topic] += 1
+
+    return record
+
+
+def _wait_until_connected(node: Node, player: BagPlayer, process: Process, log: Path) -> None:
+    deadline = time.monotonic() + START_TIMEOUT
+    while any(node.count_publishers(topic) == 0 for topic in OUTPUTS):
+        _check_alive(process, log)
+        if time.monotonic() > deadline:
+            raise CommandError(f"lane_detector did not come up within {START_TIMEOUT:g} s, see {log}")
+        time.sleep(POLL)
+    if not player.wait_for_subscriptions(deadline - time.monotonic()):
+        raise CommandError(f"lane_detector did not subscribe within {START_TIMEOUT:g} s, see {log}")
+
+
+def _wait_for_answers(session: Session) -> None:
+    """Wait until every pair is answered on every topic, or nothing has come for a while."""
+    count, since = 0, time.monotonic()
+    while count < len(OUTPUTS) * len(session.sent_ns) and time.monotonic() - since < ANSWER_TIMEOUT:
+        time.sleep(POLL)
+        if session.recorded.total() > count:
+            count, since = session.recorded.total(), time.monotonic()
+
+
+def _check_alive(process: Process, log: Path) -> None:
+    if process.poll() is not None:
+        said = [line for line in log.read_text(errors="replace").splitlines() if line.strip()]
+        last = said[-1].strip() if said else "it said nothing"
+        raise CommandError(f"lane_detector ended with exit code {process.returncode}: {last} (see {log})")
+
+
+@contextmanager
+def _detector_process(namespace: str, log: Path) -> Iterator[Process]:
+    """Run lane_detector while the block runs, not a moment longer."""
+    package_root = str(Path(__file__).resolve().parents[2])
+    paths = [package_root, *filter(None, [os.environ.get("PYTHONPATH")])]
+    module = "lane_dp_ros.ros.lane_detector_node"
+    command = [sys.executable, "-m", module, "--ros-args", "-r", f"__ns:={namespace}"]
+    with log.open("wb") as output:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+            preexec_fn=_die_with_parent if sys.platform == "linux" else None,  # noqa: PLW1509 - no thread runs yet
+        )
+    try:
+        yield process
+    finally:
+        _stop(process)
+
+
+def _die_with_parent() -> None:
+    # So that not even a SIGKILL of ours leaves the child behind.
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def _stop(process: Process) -> None:
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+    try:
+        process.wait(STOP_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+@contextmanager
+def _spinning(node: Node) -> Iterator[None]:
+    executor = SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)
+    thread = threading.Thread(target=_spin, args=(executor,), name="recorder")
+    thread.start()
+    try:
+        yield
+    finally:
+        # A thread that still spins when Python ends aborts the process.
+        executor.shutdown()
+        thread.join()
+
+
+def _spin(executor: Any) -> None:
+    with suppress(ExternalShutdownException):
+        executor.spin()

@@ -1,0 +1,235 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""lane_dp evaluate: judge the lanes of a bag or of a folder of images, and say how good they are."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from lane_dp_ros.core.config import PRESETS, DetectorConfig
+from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.stereo_bag import find_stereo_topics
+from lane_dp_ros.tools.evaluation.answers import (
+    BagAnswers,
+    FrameAnswer,
+    detect_pair,
+    detected_answers,
+    file_answers,
+    lanes_topic,
+    recorded_answers,
+)
+from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.text import (
+    THRESHOLDS,
+    check_json_output,
+    missed_thresholds,
+    tables,
+    write_json,
+)
+from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame, load_truth
+from lane_dp_ros.tools.offline import load_config
+from lane_dp_ros.tools.report import check_report_output, write_report
+
+SCENES_BAG, SCENES_TRUTH = "scenes.mcap", "truth.json"  # what `lane_dp scenes` writes into its folder
+NOTHING_FOUND = FrameAnswer(())
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """The judged frames, the truth that they were judged by (empty: known to have no paint), and remarks."""
+
+    results: tuple[FrameScore, ...]
+    frames: tuple[LabelledFrame, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class DetectorChoice:
+    """With which parameters to detect where lanes are not recorded, in how many processes."""
+
+    preset: str | None = None
+    config: Path | None = None
+    jobs: int = 1
+
+    @property
+    def given(self) -> bool:
+        """Whether the user asked for certain parameters."""
+        return self.preset is not None or self.config is not None
+
+    def load(self) -> tuple[NodeConfig, DetectorConfig]:
+        """Return the parameters. Raises CommandError naming what is wrong in the file."""
+        return load_config(self.preset or "default", self.config)
+
+    def answer_bag(self, reader: BagReader) -> BagAnswers:
+        """Detect in the stereo pairs of a bag."""
+        return detected_answers(reader, self.load(), self.jobs)
+
+    def answer_files(
+        self, root: Path, frames: Sequence[LabelledFrame]
+    ) -> Iterator[tuple[LabelledFrame, FrameAnswer]]:
+        """Detect in the image files that the frames name, below `root`."""
+        return file_answers(root, frames, partial(detect_pair, self.load()[1]), self.jobs)
+
+
+def evaluate_path(path: Path, truth: Path | None, choice: DetectorChoice) -> Evaluation:
+    """Judge a bag, a folder written by `lane_dp scenes`, or a folder of images that the truth names.
+
+    Raises CommandError or ValueError, in one line, for input that cannot be judged.
+    """
+    if (path / SCENES_BAG).exists():
+        path, truth = path / SCENES_BAG, truth or path / SCENES_TRUTH
+    if truth is None:
+        raise CommandError(f"{path} needs --truth FILE, or --unpainted if none of its frames has any paint")
+    frames = load_truth(truth)
+    if not frames:
+        raise CommandError(f"{truth} has no frames, expected at least one")
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        found = choice.answer_files(path, frames)
+        return Evaluation(tuple(_judged(frame, answer) for frame, answer in found), frames)
+    return _judged_bag(path, truth, frames, read_answers(path, choice))
+
+
+def evaluate_unpainted(path: Path, choice: DetectorChoice) -> Evaluation:
+    """Judge a bag none of whose frames has any paint: every detection is false."""
+    bag = read_answers(path, choice)
+    results = tuple(
+        judge_unpainted(f"{path.stem}/{stamp_ns}", answer.lanes, path.stem, stamp_ns, answer.latency)
+        for stamp_ns in sorted(bag.stamps)
+        for answer in [bag.answers.get(stamp_ns, NOTHING_FOUND)]
+    )
+    return Evaluation(results, notes=bag.notes)
+
+
+def read_answers(path: Path, choice: DetectorChoice) -> BagAnswers:
+    """Return the lanes recorded in a bag, or those detected in its images.
+
+    Raises CommandError for a bag that has neither, and for parameters that would have no effect.
+    """
+    with BagReader(path) as reader:
+        if not reader.message_count():
+            raise CommandError(f"{path} is empty: no message in it")
+        topic = lanes_topic(reader)
+        if topic is None:
+            _check_images(reader)
+            return choice.answer_bag(reader)
+        if choice.given:
+            raise CommandError(
+                f"{path} carries {topic}, judged as recorded: leave --preset and --config away"
+            )
+        return recorded_answers(reader, topic)
+
+
+def _check_images(reader: BagReader) -> None:
+    """Raise CommandError for a bag without lanes that cannot be detected in, either."""
+    try:
+        find_stereo_topics(reader)
+    except CommandError as error:
+        raise CommandError(f"no topic named lanes to judge; to detect first, {error}") from None
+
+
+def _judged_bag(path: Path, truth: Path, frames: Sequence[LabelledFrame], bag: BagAnswers) -> Evaluation:
+    """Judge the frames within the bag's time; one there without an answer counts as nothing found."""
+    by_stamp = {frame.stamp_ns: frame for frame in frames if frame.stamp_ns is not None}
+    if len(by_stamp) < len(frames):
+        raise CommandError(f"{truth}: each frame of a bag needs a stamp_ns of its own")
+    if not bag.stamps & by_stamp.keys():
+        spans = f"{_span(by_stamp)} in {truth}, {_span(bag.stamps)} in {path}"
+        raise CommandError(f"truth and bag have no stamp in common: {spans}")
+    first, last = min(bag.stamps), max(bag.stamps)
+    judged = tuple(by_stamp[stamp] for stamp in sorted(by_stamp) if first <= stamp <= last)
+    results = tuple(_judged(frame, bag.answers.get(frame.stamp_ns or 0, NOTHING_FOUND)) for frame in judged)
+    unanswered = sum(frame.stamp_ns not in bag.answers for frame in judged)
+    notes = {
+        f"{len(frames) - len(judged)} frames of the truth lie outside the bag's time, left out": len(frames)
+        - len(judged),
+        f"{unanswered} frames without an answer, judged as nothing found": unanswered,
+    }
+    return Evaluation(results, judged, (*bag.notes, *(note for note, count in notes.items() if count)))
+
+
+def _judged(frame: LabelledFrame, answer: FrameAnswer) -> FrameScore:
+    return judge(frame, answer.lanes, answer.camera or frame.camera, answer.latency)
+
+
+def _span(stamps: Sequence[int] | frozenset[int] | dict[int, LabelledFrame]) -> str:
+    return f"{min(stamps) / 1e9:.3f} to {max(stamps) / 1e9:.3f} s"
+
+
+def add_command(commands: argparse._SubParsersAction) -> argparse.ArgumentParser:
+    """Add `evaluate`, but for --jobs, to the commands of lane_dp."""
+    text = (
+        "judge lanes by labels and print the paper's table: those in a bag, or detected in its images first"
+    )
+    epilog = (
+        "A bag that carries lanes is judged as recorded. Exit code 1 when a --min... or --max... is missed."
+    )
+    command = commands.add_parser("evaluate", help=text, description=text, epilog=epilog)
+    add_arguments(command)
+    command.add_argument("--preset", choices=PRESETS, help="to detect with, default: default")
+    command.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file to detect with")
+    command.set_defaults(command=_evaluate)
+    return command
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add what says which frames to judge, by what, and where the numbers go: the arguments of `run`."""
+    command.add_argument(
+        "input", type=Path, metavar="BAG_OR_DIR", help="bag, folder of images, or what lane_dp scenes wrote"
+    )
+    truth = command.add_mutually_exclusive_group()
+    truth.add_argument("--truth", type=Path, metavar="FILE", help="the labels, see docs/truth_format.md")
+    truth.add_argument("--unpainted", action="store_true", help="no frame of the bag has any paint")
+    command.add_argument(
+        "--json", type=Path, metavar="FILE", help="write all numbers, see docs/evaluation.md"
+    )
+    command.add_argument(
+        "--report", type=Path, metavar="DIR", help="write a page with tables, curves and frames"
+    )
+    for threshold in THRESHOLDS:
+        word = "smallest" if threshold.is_lower else "largest"
+        command.add_argument(
+            threshold.option, type=_limit, metavar="X", help=f"{word} {threshold.name} to accept"
+        )
+
+
+def _evaluate(arguments: argparse.Namespace) -> None:
+    run(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs))
+
+
+def _limit(text: str) -> float:
+    value = float(text)
+    if not 0 <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a number >= 0")
+    return value
+
+
+def run(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
+    """Judge, print, write; raise CommandError when a threshold is missed."""
+    if arguments.json is not None:
+        check_json_output(arguments.json)
+    if arguments.report is not None:
+        check_report_output(arguments.report)
+    if arguments.unpainted:
+        evaluation = evaluate_unpainted(arguments.input, choice)
+    else:
+        evaluation = evaluate_path(arguments.input, arguments.truth, choice)
+    print(tables(evaluation.results))
+    for note in evaluation.notes:
+        print(f"note: {note}")
+    if arguments.json is not None:
+        write_json(evaluation.results, evaluation.notes, arguments.json)
+    if arguments.report is not None:
+        config = choice.load()[1] if choice.given else None
+        page = write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)
+        print(f"report: {page}")
+    limits = {t.option: getattr(arguments, t.option.lstrip("-").replace("-", "_")) for t in THRESHOLDS}
+    if missed := missed_thresholds(summarise(evaluation.results), limits):
+        raise CommandError(missed)

@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read and write labelled frames: docs/truth_format.md."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.tools.evaluation.annotations import KINDS, Kind, Label, LabelledFrame, by_depth
+
+__all__ = ["KINDS", "Kind", "Label", "LabelledFrame", "by_depth", "load_truth", "save_truth"]
+
+Floats = NDArray[np.float64]
+CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
+PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
+
+
+def load_truth(path: Path) -> tuple[LabelledFrame, ...]:
+    """Read the labelled frames of a file.
+
+    Raises ValueError naming the line for what is no JSON, else the frame and the field that is wrong.
+    """
+    try:
+        frames = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repeats)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{path}, line {error.lineno}, column {error.colno}: no JSON: {error.msg}") from None
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path} is no JSON: byte {error.start} is not UTF-8") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    if not isinstance(frames, dict):
+        raise ValueError(f"{path} holds a {type(frames).__name__}, expected an object of labelled frames")
+    try:
+        return tuple(_frame(name, fields) for name, fields in frames.items())
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def save_truth(frames: Iterable[LabelledFrame], path: Path) -> None:
+    """Write labelled frames, a line of the road to a line of the file; equal frames give equal bytes.
+
+    Pixels are rounded to 0.001 px, metres to 0.1 mm. What stood at `path` is replaced at the very end.
+    """
+    text = "{\n" + ",\n".join(map(_frame_text, frames)) + "\n}\n"
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _frame_text(frame: LabelledFrame) -> str:
+    camera = frame.camera
+    stamp = {} if frame.stamp_ns is None else {"stamp_ns": int(frame.stamp_ns)}
+    names = ("sequence", "category", "left", "right", "note")
+    fields = {
+        **stamp,
+        **{name: getattr(frame, name) for name in names if getattr(frame, name)},
+        **{name: float(getattr(camera, name)) for name in CAMERA_FIELDS},
+        "width": int(frame.size[0]),
+        "height": int(frame.size[1]),
+        "ground": [float(g) for g in frame.ground],
+        "ego_left": frame.ego_left,
+        "ego_right": frame.ego_right,
+    }
+    lanes = ",\n  ".join(_lane_text(label) for label in frame.labels)
+    return f'{json.dumps(frame.name)}: {json.dumps(fields)[:-1]}, "lanes": [\n  {lanes}]}}'
+
+
+def _lane_text(label: Label) -> str:
+    points = {
+        "uv": np.round(label.uv, PIXEL_DIGITS).tolist(),
+        "xz": np.round(label.xz, METRE_DIGITS).tolist(),
+    }
+    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **points})
+
+
+def _without_repeats(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the object of these pairs; JSON would silently keep the last of two frames of one name."""
+    fields = dict(pairs)
+    if len(fields) < len(pairs):
+        names = [name for name, _ in pairs]
+        repeated = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"{repeated!r} stands twice in one object")
+    return fields
+
+
+def _frame(name: str, fields: Any) -> LabelledFrame:
+    """Return the frame of a JSON object. Raises ValueError naming the frame and what is wrong in it."""
+    try:
+        frame = LabelledFrame(
+            name=name,
+            camera=_camera(fields),
+            size=(int(fields["width"]), int(fields["height"])),
+            ground=_numbers(fields["ground"], (4,), "ground"),
+            labels=tuple(map(_label, fields["lanes"])),
+            stamp_ns=None if fields.get("stamp_ns") is None else int(fields["stamp_ns"]),
+            **{side: fields[side] for side in ("ego_left", "ego_right")},
+            **{key: str(fields.get(key, "")) for key in ("left", "right", "sequence", "category", "note")},
+        )
+        _check_ids(frame)
+    except KeyError as error:
+        raise ValueError(f"frame {name!r} lacks the field {error}") from None
+    except (TypeError, AttributeError, ValueError) as error:
+        raise ValueError(f"frame {name!r}: {error}") from None
+    return frame
+
+
+def _camera(fields: dict[str, Any]) -> StereoCamera:
+    fx, fy, cx, cy, baseline = (float(fields[key]) for key in CAMERA_FIELDS)
+    return StereoCamera(fx, fy, cx, cy, baseline)
+
+
+def _label(fields: dict[str, Any]) -> Label:
+    identity, kind = str(fields["id"]), fields["kind"]
+    where = f"line {identity!r}"
+    if kind not in KINDS:
+        raise ValueError(f"{where} is of kind {kind!r}, expected one of {', '.join(KINDS)}")
+    uv, xz = (_numbers(fields[key], (-1, 2), f"{where}: {key}") for key in ("uv", "xz"))
+    if len(xz) < 2:
+        raise ValueError(f"{where}: xz has {len(xz)} points, expected at least 2")
+    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz))
+
+
+def _numbers(values: Any, shape: tuple[int, ...], what: str) -> Floats:
+    try:
+        numbers = np.array(values, dtype=np.float64).reshape(shape)
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"{what} is no list of {'4 numbers' if shape == (4,) else '[a, b] points'}"
+        ) from None
+    if not np.all(np.isfinite(numbers)):
+        raise ValueError(f"{what} holds values that are not finite numbers (NaN?)")
+    return numbers
+
+
+def _check_ids(frame: LabelledFrame) -> None:
+    ids = [label.id for label in frame.labels]
+    if repeated := sorted({identity for identity in ids if ids.count(identity) > 1}):
+        raise ValueError(f"two lines have the id {repeated[0]!r}")
+    if unknown := [identity for identity in frame.ego_ids if identity not in ids]:
+        raise ValueError(f"ego line {unknown[0]!r} is none of the lines {', '.join(ids) or '(none)'}")
