@@ -1,11 +1,97 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures for every test."""
+"""Fixtures for every test: tiny bags, a domain of its own for what talks to ROS, a browser, real frames."""
 
 import os
+
+# Before any ROS import, as in test/ros: runs side by side must not hear one another; field types are checked.
+os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
+
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from lane_dp_ros.messages.bag import BagWriter
+from lane_dp_ros.scenes import CAMERA, ScenePair, render_sequence
+from lane_dp_ros.tools.datasets.convert import StereoBagWriter
+from lane_dp_ros.tools.datasets.kitti import StereoImages
+
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-sync",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-dev-shm-usage",
+)
+VIOLATIONS = (
+    "document.addEventListener('securitypolicyviolation', (e) => console.error('CSP', e.violatedDirective))"
+)
+P_LEFT = CAMERA.P_left
+P_RIGHT = P_LEFT - np.array([[0, 0, 0, CAMERA.fx * CAMERA.baseline], [0] * 4, [0] * 4])
+
+
+@pytest.fixture(scope="session")
+def scene_pairs() -> list[ScenePair]:
+    """Three rendered pairs of a road with lanes, 0.1 s apart."""
+    return list(render_sequence(frames=3, rate=10.0, seed=1))
+
+
+@pytest.fixture
+def write_stereo_bag(tmp_path: Path) -> Callable[..., Path]:
+    """Return a function that writes pairs to a bag; the camera may be another one."""
+
+    def write(
+        pairs: list, name: str = "stereo", jpeg: bool = False, storage: str = "mcap", P_right=P_RIGHT
+    ) -> Path:
+        with BagWriter(tmp_path / name, storage) as writer:
+            bag = StereoBagWriter(writer, P_LEFT, P_right, jpeg)
+            for pair in pairs:
+                bag.write(pair)
+        return tmp_path / name
+
+    return write
+
+
+@pytest.fixture
+def small_pairs() -> list[StereoImages]:
+    """Five pairs of small gray pictures, 20 ms apart; their grey says which one it is."""
+    images = [np.full((60, 80), 10 * i, np.uint8) for i in range(5)]
+    return [StereoImages(10**9 + i * 20_000_000, image, image + 1) for i, image in enumerate(images)]
+
+
+def installed(*names: str) -> str:
+    """Return the path of the first of these programs that there is."""
+    found = next((path for name in names if (path := shutil.which(name))), None)
+    return found or pytest.skip(f"no {names[0]}: apt-get install chromium chromium-driver")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory) -> Iterator:
+    """Return a headless Chromium with an empty profile."""
+    reason = "pages are driven by selenium: pip install selenium"
+    webdriver = pytest.importorskip("selenium.webdriver", reason=reason)
+    programs = installed("chromium", "chromium-browser", "google-chrome"), installed("chromedriver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = programs[0]
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    log = str(tmp_path_factory.mktemp("driver") / "log")
+    # A temporary folder of its own: what Chromium leaves behind goes with the test's.
+    environment = {**os.environ, "TMPDIR": str(tmp_path_factory.mktemp("tmp"))}
+    service = webdriver.ChromeService(programs[1], log_output=log, env=environment)
+    driver = webdriver.Chrome(options=options, service=service)
+    driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": VIOLATIONS})
+    yield driver
+    driver.quit()
 
 
 @pytest.fixture(scope="session")
