@@ -22,7 +22,7 @@ from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
 from lane_dp_ros.core.birdseye.paint_map import build_paint_map
 from lane_dp_ros.core.config import DetectorConfig, PaintMapConfig
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap, RoadEdges

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 
 MEMORY_NS = 500_000_000  # later the road may well run otherwise
 HEADING_LEAP, CURVATURE_LEAP = 0.05, 0.01  # rad, 1/m; less from pair to pair is the road or the vehicle

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lanes.axis_refinement import turned_axis
 from lane_dp_ros.core.lanes.lifting import to_lanes

@@ -12,7 +12,8 @@ import pytest
 from lane_dp_ros.core.birdseye.paint_map import band_graph
 from lane_dp_ros.core.config import PaintMapConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.evidence import line_evidence
 from lane_dp_ros.core.types import BirdsEyeView, LaneEvidence, LaneLine, PaintMap, StereoFrame
 from lane_dp_ros.scenes import Road, ScenePair, render_pair

@@ -5,7 +5,7 @@
 import pytest
 
 from lane_dp_ros.core.axis_memory import CURVATURE_LEAP, HEADING_LEAP, MEMORY_NS, AxisMemory
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 
 KNOWN = RoadAxis(0.1, 0.03)
 TENTH = 100_000_000  # ns

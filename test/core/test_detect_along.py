@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.scenes import CAMERA, Road, render_pair
 
 DETECTOR = LaneDetector(CAMERA)

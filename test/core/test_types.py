@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.types import LaneLine, PaintMap
 
 AXES = {"straight": RoadAxis(), "turned": RoadAxis(0.1), "bend": RoadAxis(-0.05, 0.02)}

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import BirdsEyeConfig
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import BirdsEyeView
 
 Floats = NDArray[Any]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import LaneSelectionConfig, VanishingPointConfig
 from lane_dp_ros.core.dp.robust_fit import tukey_fit
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.path_search import SLOPE_COST
 from lane_dp_ros.core.lanes.selection import is_paint
 from lane_dp_ros.core.types import LaneEvidence, LaneLine

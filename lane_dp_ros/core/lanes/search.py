@@ -12,7 +12,7 @@ import numpy as np
 from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
 from lane_dp_ros.core.birdseye.paint_map import build_paint_map
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.evidence import line_evidence
 from lane_dp_ros.core.lanes.line_fit import fit_line
 from lane_dp_ros.core.lanes.path_search import find_paths

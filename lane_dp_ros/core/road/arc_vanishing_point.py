@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import VanishingPointConfig
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.types import RoadEdges
 
 Floats = NDArray[Any]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.dp.shortest_paths import shortest_paths
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import RoadEdges, VanishingPoint
 
 Floats = NDArray[np.float64]

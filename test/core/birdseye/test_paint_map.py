@@ -19,7 +19,8 @@ from lane_dp_ros.core.birdseye.paint_map import (
     shifted,
 )
 from lane_dp_ros.core.config import BirdsEyeConfig, PaintMapConfig, preset
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
 ASPHALT = 90  # grey level of the drawn pictures
 CENTRE = 1.025  # m, the middle of a column

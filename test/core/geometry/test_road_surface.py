@@ -8,7 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import LaneSelectionConfig, VanishingPointConfig
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes import axis_refinement as turned_axis
 from lane_dp_ros.core.lanes import selection as lane_selection
 from lane_dp_ros.core.lanes.path_search import SLOPE_COST

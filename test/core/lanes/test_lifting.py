@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.lifting import ego_roles, to_lanes
 from lane_dp_ros.core.types import LaneEvidence, LaneLine
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.monitoring.calibration_monitor import CalibrationMonitor, Observation, lane_gaps
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity

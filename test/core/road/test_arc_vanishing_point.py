@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DisparityConfig, VanishingPointConfig
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.arc_vanishing_point import road_axis
 from lane_dp_ros.core.road.disparity import dense_disparity
 from lane_dp_ros.core.road.edge_pixels import road_edges

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadAxis, RoadSurface
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.edge_pixels import MAX_EDGES, MAX_LENGTH, road_edges
 
 pytestmark = pytest.mark.filterwarnings("error")

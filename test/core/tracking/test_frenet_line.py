@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_surface import RoadAxis
+from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.tracking.frenet_line import FrenetLine, common_axis, first_axis, surface_change
 
 AXES = {
