@@ -21,11 +21,15 @@ from command_line import KNOWN_ERRORS, exit_code, parser_of
 from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
 from lane_dp_ros.core.birdseye.paint_map import build_paint_map
-from lane_dp_ros.core.config import DetectorConfig, PaintMapConfig
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.birdseye.paint_map import PaintMapConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap, RoadEdges
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.birdseye.paint_map import PaintMap
+from lane_dp_ros.core.road.edge_pixels import EdgePixels
 from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise

@@ -27,10 +27,10 @@ from judged_set import JudgedPair, kitti_pairs, labelled_pairs
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.lanes import lifting as lanes_module
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.types import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.reliability import Reliability, reliability

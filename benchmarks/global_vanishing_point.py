@@ -27,7 +27,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.config import DisparityConfig, RoadProfileConfig
+from lane_dp_ros.core.road.disparity import DisparityConfig
+from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.disparity import dense_disparity

@@ -31,7 +31,7 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.lanes import search as lane_search
 from lane_dp_ros.core.parameter import Parameters
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline

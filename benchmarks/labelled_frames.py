@@ -24,9 +24,9 @@ import numpy as np
 from command_line import exit_code
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.config import TrackingConfig
+from lane_dp_ros.core.tracking.tracker import TrackingConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.conversions import camera_from_ros, stereo_images_from_ros

@@ -19,7 +19,7 @@ from command_line import exit_code, parser_of
 from judged_set import drive_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.pipeline import LanePipeline
 from lane_dp_ros.tools.evaluation.matching import JITTER_DEPTH
 from lane_dp_ros.tools.evaluation.summary import JITTER_FRAMES, deviations

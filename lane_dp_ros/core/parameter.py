@@ -19,6 +19,7 @@ class Parameter:
 
     `name` is dotted (``stage.field``); `minimum` and `maximum` are inclusive; `step` is the
     spacing of the allowed values above `minimum` (0: any); `choices` is empty where any value will do.
+    An `expert` parameter is set from files and by fits; ROS tools do not list it unless it is given.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Parameter:
     maximum: float | None = None
     step: int = 0
     choices: tuple[str, ...] = ()
+    expert: bool = False
 
     @property
     def type(self) -> type:
@@ -68,7 +70,7 @@ class Parameter:
         return low <= value <= high and not (self.step and (value - low) % self.step)
 
 
-def parameter(
+def parameter(  # noqa: PLR0913 - as many as there are facts of a parameter
     default: Any,
     description: str,
     *,
@@ -76,10 +78,11 @@ def parameter(
     limits: tuple[float, float] | None = None,
     step: int = 0,
     choices: tuple[str, ...] = (),
+    expert: bool = False,
 ) -> Any:
     """Declare a dataclass field that is a parameter (see `Parameter`)."""
     minimum, maximum = limits or (None, None)
-    spec = Parameter("", default, description, unit, minimum, maximum, step, choices)
+    spec = Parameter("", default, description, unit, minimum, maximum, step, choices, expert)
     return dataclasses.field(default=default, metadata={"parameter": spec})
 
 
@@ -98,9 +101,12 @@ class Parameters:
                 object.__setattr__(self, field.name, spec.checked(getattr(self, field.name)))
 
 
-def parameters(config: Any) -> dict[str, Parameter]:
-    """Return every parameter of a (nested) config by dotted name; defaults are this config's values."""
-    return {spec.name: spec for spec in _walk(config, "")}
+def parameters(config: Any, expert: bool = True) -> dict[str, Parameter]:
+    """Return the parameters of a (nested) config by dotted name; defaults are this config's values.
+
+    Without `expert` those marked so are left out.
+    """
+    return {spec.name: spec for spec in _walk(config, "") if expert or not spec.expert}
 
 
 def _walk(config: Any, prefix: str) -> Iterator[Parameter]:
@@ -134,3 +140,10 @@ def _replaced(config: Any, values: Mapping[str, Value]) -> Any:
         inner = {name[len(stage) + 1 :]: v for name, v in values.items() if name.startswith(stage + ".")}
         own[stage] = _replaced(getattr(config, stage), inner)
     return dataclasses.replace(config, **own)
+
+
+def check_order(config: object, stage: str, lower: str, upper: str) -> None:
+    """Raise ValueError unless the field `upper` of a stage's config is more than `lower`."""
+    low, high = getattr(config, lower), getattr(config, upper)
+    if high <= low:
+        raise ValueError(f"{stage}.{upper}: got {high}, expected more than {lower} = {low}")

@@ -1,233 +1,137 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the stages of the pipeline hand to one another."""
+"""What goes into the detector and what comes out: stereo frames, the prior, lanes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal, Protocol
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
-Floats = NDArray[Any]
-
-CENTRE_WINDOW = 0.15  # m to each side of a path; where the centre of its paint is
-NO_PAINT = 1e-3  # squared feature; less is none
-
-
-@dataclass(frozen=True)
-class RoadEdges:
-    """Edge pixels on the road, N of them.
-
-    `u, v` [px]; `gradient_u, gradient_v` (3x3 Sobel, grey levels); on the ground `x, z` [m], the edge's
-    `heading` [rad], positive to the right, and the `length` [m] of ground that the pixel stands for.
-    """
-
-    u: Floats
-    v: Floats
-    gradient_u: Floats
-    gradient_v: Floats
-    x: Floats
-    z: Floats
-    heading: Floats
-    length: Floats
+Image = NDArray[np.uint8]
+LaneRole = Literal["ego_left", "ego_right", "other"]
+RoadSource = Literal["measured", "last", "nominal"]
 
 
-@dataclass(frozen=True)
-class VanishingPoint:
-    """Where the road's direction near the vehicle vanishes, in pixels of the left image.
-
-    `u_of_row` are the coefficients, constant first, of the quartic u_vp(v) along the road ahead; empty
-    where only the direction at the vehicle was estimated.
-    """
-
-    u: float
-    v: float
-    u_of_row: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StereoFrame:
-    """The grey images (H, W), the right one where it is of use, and the left one's disparity (H, W) [px].
+    """A rectified stereo pair: uint8 images (H, W) grey or (H, W, 3) BGR of equal size.
 
-    For the others see `BirdsEyeView`.
+    `right` is None where the left image is alone.
+    Raises ValueError for images of different size or of another shape or type.
     """
 
-    left: NDArray[np.uint8]
-    right: NDArray[np.uint8] | None
-    disparity: NDArray[np.float32]
-    surface: RoadSurface
-    ground: RoadSurface
+    left: Image
+    right: Image | None = None
+
+    def __post_init__(self) -> None:
+        _check_image(self.left, "left")
+        if self.right is None:
+            return
+        _check_image(self.right, "right")
+        left, right = (f"{image.shape[1]}x{image.shape[0]}" for image in (self.left, self.right))
+        if left != right:
+            raise ValueError(f"the images differ in size: left {left}, right {right}, expected equal")
+
+    def grey(self) -> StereoFrame:
+        """Return the pair in grey, (H, W) each."""
+        return StereoFrame(_grey(self.left), None if self.right is None else _grey(self.right))
 
 
 @dataclass(frozen=True)
-class PaintMap:
-    """The graph in which lanes are searched: a node for each cell (rows, columns) of a bird's-eye view.
+class RoadEstimate:
+    """The road's surface that serves for a frame, and where it is from: measured, the last one, or nominal.
 
-    `feature` f is in [0, 1], 0 where no road is `seen`; a node costs 1 - f. `paint` >= 0 has its peak on
-    the centre of a painted line (f peaks on the edges when it is made of edges, and is flat across a
-    bright line when it is made of bands). `contrast` [units of texture] is that of the image that shows it
-    better, `texture` [grey levels] the left image's; both are zero for the paper's feature.
+    `surface` is None where there is none; `reason` says what contradicts a surface that was measured but
+    does not serve, empty otherwise.
     """
 
-    feature: NDArray[np.float32]
-    seen: NDArray[np.bool_]
-    paint: NDArray[np.float32]
-    contrast: NDArray[np.float32]
-    texture: NDArray[np.float32]
+    surface: RoadSurface | None
+    source: RoadSource = "measured"
+    reason: str = ""
 
-    @property
-    def cost(self) -> NDArray[np.float32]:
-        """F = 1 - f, in [0, 1] (paper, section V-A)."""
-        return 1 - self.feature
+
+class RoadGate(Protocol):
+    """Decides what surface serves in place of the one measured in this frame."""
+
+    def __call__(self, measured: RoadSurface | None) -> RoadEstimate:
+        """Return what serves; `measured` is None where the disparity shows no road."""
+
+
+def as_measured(measured: RoadSurface | None) -> RoadEstimate:
+    """Return the measured surface: the gate of frames before which nothing is known."""
+    return RoadEstimate(measured)
 
 
 @dataclass(frozen=True)
-class BirdsEyeView:
-    """The left image seen from above.
+class Prior:
+    """What the frames before say of this one.
 
-    Cell (row, column) shows the ground at road coordinates s[row], n[column] [m] (see `RoadAxis`): row 0
-    is the farthest, columns go from left to right. `ground` maps road to image; `surface` gives depth.
-    They are the same but for the paper's formulas, whose flat `ground` is a little off the road.
+    `road` decides which surface of the road serves. `axis` is the road's axis of a moment ago: where this
+    frame's own jumps away from it, lanes are searched along both. `lanes` are those known by now; where
+    heights are not measured, doubtful lines are lanes only where they go on with one of these (None: nothing
+    is followed over time, doubtful lines are told with little confidence).
     """
 
-    image: NDArray[np.uint8]
-    """(rows, columns), grey; beyond the left image its border repeated."""
-    seen: NDArray[np.bool_]
-    """Cells that the camera sees."""
-    on_road: NDArray[np.bool_]
-    """Cells that are seen and do not stand above the road."""
-    height: NDArray[np.float32]
-    """Height [m] above the road's surface, NaN where there is no disparity."""
-    map_u: NDArray[np.float32]
-    map_v: NDArray[np.float32]
-    s: NDArray[np.float64]
-    n: NDArray[np.float64]
-    axis: RoadAxis
-    ground: RoadSurface
-    surface: RoadSurface
-
-    @property
-    def resolution(self) -> tuple[float, float]:
-        """Metres per row and per column."""
-        return float(self.s[0] - self.s[1]), float(self.n[1] - self.n[0])
-
-    def warp(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Return this view of any image of the left camera's size, grey or BGR; black where unseen."""
-        warped = cv2.remap(image, self.map_u, self.map_v, cv2.INTER_LINEAR)
-        warped[~self.seen] = 0
-        return np.asarray(warped, dtype=np.uint8)
-
-    def to_pixels(self, s: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
-        """Return the pixels (N, 2) of the left image at road coordinates s, n (N,) [m]."""
-        x, z = self.axis.to_ground(np.asarray(s, dtype=np.float64), np.asarray(n, dtype=np.float64))
-        return np.column_stack(self.ground.ground_to_pixel(x, z))
-
-    def to_points(self, s: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
-        """Return points (N, 3) [m] of the road's surface, left optical frame, at road coordinates."""
-        pixels = self.to_pixels(s, n)
-        _, depth = self.surface.pixel_to_ground(pixels[:, 0], pixels[:, 1])
-        return self.surface.camera.back_project(pixels, depth)
-
-    def to_road(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return road coordinates s, n (N,) [m] of points (N, 3) [m] in the left optical frame."""
-        u, v = self.surface.camera.project(points).T
-        s, n = self.axis.from_ground(*self.ground.pixel_to_ground(u, v))
-        return np.asarray(s), np.asarray(n)
-
-    def columns(self, n: ArrayLike) -> NDArray[np.float64]:
-        """Return the columns (N,), with fractions, of lateral positions n (N,) [m]."""
-        return np.asarray((np.asarray(n) - self.n[0]) / self.resolution[1])
-
-    def nearest_columns(self, n: ArrayLike) -> NDArray[np.intp]:
-        """Return the columns (N,) of lateral positions n (N,) [m]; beyond the view those of its border."""
-        return np.clip(np.rint(self.columns(n)).astype(np.intp), 0, len(self.n) - 1)
-
-    def cells(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Return column and row (N, 2), with fractions, of points (N, 3) [m] in the left optical frame."""
-        s, n = self.to_road(points)
-        return np.column_stack([self.columns(n), (self.s[0] - s) / self.resolution[0]])
-
-    def paint_centres(self, graph: PaintMap, rows: NDArray[Any], columns: Floats) -> tuple[Floats, Floats]:
-        """Return the centre n [m] of the paint near cells (rows[i], columns[i]) and its weight in [0, 1].
-
-        The centroid of the squared paint across the line; without paint the cell itself, weight 0.
-        """
-        half = round(CENTRE_WINDOW / self.resolution[1])
-        centre, total = columns, np.zeros(len(columns))
-        for _ in range(2):  # once more around the centre that was found: no paint is cut off on one side
-            window = np.rint(centre).astype(int)[:, None] + np.arange(-half, half + 1)
-            window = np.clip(window, 0, len(self.n) - 1)
-            power = graph.paint[rows[:, None], window].astype(np.float64) ** 2
-            total = power.sum(axis=1)
-            centroid = (power * window).sum(axis=1) / np.maximum(total, NO_PAINT)
-            centre = np.where(total > NO_PAINT, centroid, columns)
-        return self.n[0] + centre * self.resolution[1], np.minimum(total, 1.0)
+    road: RoadGate = as_measured
+    axis: RoadAxis | None = None
+    lanes: tuple[Lane, ...] | None = None
 
 
 @dataclass(frozen=True)
-class LanePath:
-    """A path through the graph that may be a lane: cells (rows[i], columns[i]), from near to far, one a row.
+class Lane:
+    """One painted line.
 
-    `columns` may have fractions; `score` is the evidence along it [m]: net metres of paint.
+    `points` (N, 3) [m] lie on the centre of the paint, on the road's surface, in the left optical frame
+    (x right, y down, z forward; the frame of P_left), ordered from near to far, at most 0.5 m apart.
+    `confidence` is in (0, 1]; `paint_width` [m]; `curvature` [1/m] is positive where the line bends to the
+    right; `lateral_offset` [m] is the line's distance right of the camera at the vehicle (negative: left).
+    `id` is the line's identity over time, -1 before tracking.
     """
 
-    rows: NDArray[np.intp]
-    columns: Floats
-    score: float
-
-
-@dataclass(frozen=True)
-class LaneLine:
-    """A smooth line n(s) through a path, in road coordinates [m], from near to far, one point a row."""
-
-    rows: NDArray[np.intp]
-    s: Floats
-    n: Floats
-    bend: float
-    """Its curvature [1/m] against the road's axis."""
-    score: float
-    """Net metres of paint along it."""
-
-    @property
-    def length(self) -> float:
-        """Length along the road [m]."""
-        return float(self.s[-1] - self.s[0])
-
-
-@dataclass(frozen=True)
-class LaneEvidence:
-    """What speaks for and against a line being paint, each in physical units."""
-
+    points: NDArray[np.float64]
+    confidence: float
     paint_width: float
-    """Width [m] of the bright band at half its contrast."""
-    wide_band_ratio: float
-    """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
-    height: float
-    """Height [m] of the paint above the ground on the vehicle's side of it, NaN where it is not known.
+    role: LaneRole
+    curvature: float
+    lateral_offset: float
+    id: int = -1
 
-    Where that ground is not known, above the one on the other side, else above the road's surface.
-    """
-    step: float
-    """How much higher or lower [m] the ground on the other side is: a kerb's; 0 where it is not known."""
-    slope: float
-    """Steepest lateral over forward, against the road's axis."""
-    off_paint_fraction: float
-    """Share of the paint that it passes beside: that of one line lies on one smooth curve."""
-    roughness: float
-    """Texture beside the line, over brightness: asphalt is smooth, grass is not."""
-    contrast: float
-    """Weber contrast of the paint against the road on both sides of it."""
-    saturation_contrast: float
-    """The same rise as a share of that up to white: in glare even fresh paint has little contrast."""
-    brightness: float
-    """Brightness of the paint over that of the road towards the vehicle, less 1."""
-    run: float
-    """Longest piece of paint [m], short gaps bridged."""
-    dashes: int
-    """Number of pieces of paint that are long enough to be dashes."""
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Depth [m] of its nearest and farthest point."""
+        return float(self.points[0, 2]), float(self.points[-1, 2])
+
+
+def ego_roles(offsets: Sequence[float]) -> list[LaneRole]:
+    """Return the role of each lateral offset [m]: the nearest on each side of the vehicle are ego lines."""
+    roles: list[LaneRole] = ["other"] * len(offsets)
+    left = [i for i, n in enumerate(offsets) if n < 0]
+    right = [i for i, n in enumerate(offsets) if n >= 0]
+    if left:
+        roles[max(left, key=lambda i: offsets[i])] = "ego_left"
+    if right:
+        roles[min(right, key=lambda i: offsets[i])] = "ego_right"
+    return roles
+
+
+def _check_image(image: object, side: str) -> None:
+    if not isinstance(image, np.ndarray):  # None, when cv2.imread finds no picture
+        raise ValueError(f"the {side} image is {type(image).__name__}, expected an array (picture not read?)")
+    if image.dtype != np.uint8 or image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3):
+        raise ValueError(
+            f"the {side} image is {image.dtype} {image.shape}, expected uint8 (H, W) or (H, W, 3)"
+        )
+    if image.size == 0:
+        raise ValueError(f"the {side} image is empty: {image.shape}")
+
+
+def _grey(image: Image) -> Image:
+    return np.ascontiguousarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 
 Image8 = NDArray[np.uint8]
 Make = Callable[..., Any]

@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.types import BirdsEyeView
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.conversions import COLOURS
 
 Image8 = NDArray[np.uint8]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.conversions import (
     Image8,

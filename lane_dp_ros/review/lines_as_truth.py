@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import PIXELS, RoadSurface
-from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.pipeline import detect_pair
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_sync import StereoPair
 from lane_dp_ros.review.drive import Drive, Frame

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.conversions import lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError

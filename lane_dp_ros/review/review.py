@@ -13,7 +13,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.pictures import GAP
 from lane_dp_ros.review.drive import Drive, Frame
 from lane_dp_ros.review.judgement import (

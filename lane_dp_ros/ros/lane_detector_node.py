@@ -28,9 +28,10 @@ from rclpy.utilities import try_shutdown
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from visualization_msgs.msg import MarkerArray
 
-from lane_dp_ros.core.pipeline import FrameResult, LanePipeline, one_line
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
 from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.messages.dds_profile import use_dds_profile
+from lane_dp_ros.messages.errors import one_line
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
 from lane_dp_ros.messages.stereo_sync import NS_PER_S, SIDES, Side, StereoPair, StereoSync

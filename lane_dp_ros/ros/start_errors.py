@@ -8,7 +8,7 @@ import re
 
 from rclpy.exceptions import NameValidationException, ParameterException
 
-from lane_dp_ros.core.pipeline import one_line
+from lane_dp_ros.messages.errors import one_line
 
 START_ERRORS = (RuntimeError, ValueError, ParameterException, NameValidationException)
 

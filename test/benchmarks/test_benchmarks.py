@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.lanes import selection as lane_selection
 from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame

@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 
 
 def test_extent_is_the_depth_of_the_nearest_and_farthest_point():

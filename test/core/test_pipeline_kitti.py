@@ -14,7 +14,7 @@ import pytest
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
 from lane_dp_ros.tools.datasets import kitti

@@ -14,17 +14,8 @@ from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
-from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.messages.conversions import (
-    ENCODINGS,
-    camera_from_ros,
-    compressed_image_from_ros,
-    image_from_ros,
-    image_to_ros,
-    lanes_from_ros,
-    lanes_to_ros,
-    stereo_images_from_ros,
-)
+from lane_dp_ros.core.types import Lane
+from lane_dp_ros.messages.conversions import ENCODINGS, camera_from_ros, compressed_image_from_ros, image_from_ros, image_to_ros, lanes_from_ros, lanes_to_ros, stereo_images_from_ros
 from lane_dp_ros.ros.rclpy_message import rclpy_message
 
 HEADER = Header(stamp=Time(sec=12, nanosec=345), frame_id="left_optical")

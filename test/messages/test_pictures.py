@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
-from lane_dp_ros.core.config import BirdsEyeConfig
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.pictures import PIXELS_PER_METRE, draw_birds_eye, draw_overlay
 
 HEIGHT = 1.65  # m, the camera above the road

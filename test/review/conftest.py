@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagWriter, bag_message
 from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.review.lines_as_truth import Grounds

@@ -4,15 +4,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.birdseye.birds_eye import right_view
-from lane_dp_ros.core.config import PaintMapConfig
-from lane_dp_ros.core.types import CENTRE_WINDOW, BirdsEyeView, PaintMap
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView, right_view
+from lane_dp_ros.core.parameter import Parameters, check_order, parameter
 
 Floats = NDArray[Any]
 
@@ -26,115 +27,182 @@ TEXTURE_WINDOW = (3.25, 1.05)  # m along and across; the neighbourhood whose tex
 TEXTURE_ASIDE = 0.6  # m; a band is measured by the texture beside it, not its own
 TEXTURE_MAX = 30.0  # grey levels; a stronger change is another object, not texture
 SENSOR_NOISE = 3.0  # grey levels
+CENTRE_WINDOW = 0.15  # m to each side of a path; where the centre of its paint is
 
 
-def build_paint_map(
-    view: BirdsEyeView, config: PaintMapConfig, right: NDArray[np.uint8] | None = None
-) -> PaintMap:
-    """Return the graph of a bird's-eye view, by the feature that `config` names.
+@dataclass(frozen=True)
+class PaintMapConfig(Parameters):
+    """How much each cell of the bird's-eye view looks like paint, f in [0, 1]; its cost is 1 - f."""
 
-    Bands are looked for in the grey `right` image (H, W), too; the paper's feature is the left image's.
+    feature: str = parameter(
+        "bands",
+        "bands: contrast of a bright band against both sides; edges_and_grey: the paper's w_e f_e + w_g f_g.",
+        choices=("bands", "edges_and_grey"),
+    )
+    edge_weight: float = parameter(
+        0.6,
+        "w_e, the share of the edges in f; the rest, w_g, is grey; for edges_and_grey.",
+        limits=(0.0, 1.0),
+    )
+    contrast_min: float = parameter(
+        0.35, "Contrast of no paint, in units of the road's texture; for bands.", limits=(0.0, 10.0)
+    )
+    contrast_max: float = parameter(
+        2.8, "Contrast of certain paint, in units of the road's texture; for bands.", limits=(0.1, 20.0)
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_order(self, "paint_map", "contrast_min", "contrast_max")
+
+
+@dataclass(frozen=True, eq=False)
+class PaintMap:
+    """The graph in which lanes are searched: a node for each cell (rows, columns) of a bird's-eye view.
+
+    `feature` f is in [0, 1], 0 where no road is `seen`; a node costs 1 - f. `paint` >= 0 has its peak on
+    the centre of a painted line (f peaks on the edges when it is made of edges, and is flat across a
+    bright line when it is made of bands). `contrast` [units of texture] is that of the image that shows it
+    better, `texture` [grey levels] the left image's; both are zero for the paper's feature.
     """
-    if config.feature == "bands":
-        return band_graph(view, config, right)
-    return edge_graph(view, config)
+
+    feature: NDArray[np.float32]
+    seen: NDArray[np.bool_]
+    paint: NDArray[np.float32]
+    contrast: NDArray[np.float32]
+    texture: NDArray[np.float32]
+
+    @cached_property
+    def cost(self) -> NDArray[np.float32]:
+        """F = 1 - f, in [0, 1] (paper, section V-A)."""
+        return 1 - self.feature
 
 
-def edge_graph(view: BirdsEyeView, config: PaintMapConfig) -> PaintMap:
-    """Return the paper's graph: f = w_e f_e + w_g f_g, w_e + w_g = 1 (eq. 9).
+class PaintMapBuilder(Protocol):
+    """Tells how much the cells of a view look like paint."""
 
-    f_e is 1 on Canny edges, f_g the grey value stretched to [0, 1] over the cells that show road.
-    """
-    edges = cv2.Canny(view.image, CANNY_LOW, CANNY_HIGH) > 0
-    grey = view.image.astype(np.float32)
-    seen = grey[view.on_road]
-    low, high = (float(seen.min()), float(seen.max())) if seen.size else (0.0, 1.0)
-    grey = (grey - low) / max(high - low, 1.0)
-    weighted = config.edge_weight * edges + (1 - config.edge_weight) * grey
-    feature = np.where(view.on_road, weighted, 0).astype(np.float32)
-    surroundings = cv2.blur(grey, (_cells(PAINT_SURROUNDINGS, view.resolution[1]), 1))
-    nothing = np.zeros(grey.shape, np.float32)
-    paint = np.asarray(np.maximum(grey - surroundings, 0), dtype=np.float32)
-    return PaintMap(feature, view.on_road, paint, nothing, nothing)
+    def build(self, view: BirdsEyeView, right: NDArray[np.uint8] | None = None) -> PaintMap:
+        """Return the map of a view; the grey `right` image (H, W) may show the paint better."""
 
 
-def band_graph(
-    view: BirdsEyeView, config: PaintMapConfig, right: NDArray[np.uint8] | None = None
-) -> PaintMap:
-    """Return the graph of bright bands of a paint's width.
+class EdgesPaintMap:
+    """The paper's graph: f = w_e f_e + w_g f_g, w_e + w_g = 1 (eq. 9), of the left image alone."""
+
+    def __init__(self, config: PaintMapConfig) -> None:
+        self._config = config
+
+    def build(self, view: BirdsEyeView, right: NDArray[np.uint8] | None = None) -> PaintMap:  # noqa: ARG002
+        """See `PaintMapBuilder`. f_e is 1 on Canny edges, f_g the grey value stretched over the road."""
+        edges = cv2.Canny(view.image, CANNY_LOW, CANNY_HIGH) > 0
+        grey = view.image.astype(np.float32)
+        seen = grey[view.on_road]
+        low, high = (float(seen.min()), float(seen.max())) if seen.size else (0.0, 1.0)
+        grey = (grey - low) / max(high - low, 1.0)
+        weighted = self._config.edge_weight * edges + (1 - self._config.edge_weight) * grey
+        feature = np.where(view.on_road, weighted, 0).astype(np.float32)
+        surroundings = cv2.blur(grey, (_cells(PAINT_SURROUNDINGS, view.resolution[1]), 1))
+        nothing = np.zeros(grey.shape, np.float32)
+        paint = np.asarray(np.maximum(grey - surroundings, 0), dtype=np.float32)
+        return PaintMap(feature, view.on_road, paint, nothing, nothing)
+
+
+class BandsPaintMap:
+    """Bright bands of a paint's width, in either image.
 
     The contrast of a band is that against its left or right flank, whichever is less, each in units of
     the texture on that side along the road: on rough ground it takes more to be paint. f rises from 0 at
-    `config.contrast_min` to 1 at `config.contrast_max`. Of the left and the grey `right` image (H, W) the
-    one counts that shows a cell's band better: glare and noise lie elsewhere for the other camera. Where
-    the left image shows paint nearby, `paint` is its own: lanes are told in the left camera's frame.
+    `contrast_min` to 1 at `contrast_max`. Of the left and the right image the one counts that shows a
+    cell's band better: glare and noise lie elsewhere for the other camera. Where the left image shows paint
+    nearby, `paint` is its own: lanes are told in the left camera's frame.
     """
-    texture = road_texture(view)
-    contrast = band_contrast(view, texture)
-    paint = _share_of_certain_paint(contrast, view, config)
-    if right is not None:
-        other = right_view(right, view)
-        contrast_there = band_contrast(other, road_texture(other))
-        np.maximum(contrast, contrast_there, out=contrast, where=other.on_road)
-    share = _share_of_certain_paint(contrast, view, config)
-    width = 2 * round(CENTRE_WINDOW / view.resolution[1]) + 1
-    shown_by_left = cv2.dilate(paint, np.ones((1, width), np.uint8)) > 0
-    return PaintMap(
-        np.minimum(share, 1), view.on_road, np.where(shown_by_left, paint, share), contrast, texture
-    )
+
+    def __init__(self, config: PaintMapConfig) -> None:
+        self._config = config
+
+    def build(self, view: BirdsEyeView, right: NDArray[np.uint8] | None = None) -> PaintMap:
+        """See `PaintMapBuilder`."""
+        views = [view] if right is None else [view, right_view(right, view)]
+        textures = [road_texture(each) for each in views]
+        # Both images in one stack: half as many calls on arrays twice as large.
+        stacked = np.concatenate([each.image for each in views]), np.concatenate(textures)
+        contrasts = band_contrast(*stacked, view.resolution[1])
+        contrast = contrasts[: len(view.s)]
+        paint = self._share_of_certain_paint(contrast, view)
+        if right is None:
+            return PaintMap(np.minimum(paint, 1), view.on_road, paint, contrast, textures[0])
+        contrast = contrast.copy()
+        np.maximum(contrast, contrasts[len(view.s) :], out=contrast, where=views[1].on_road)
+        share = self._share_of_certain_paint(contrast, view)
+        width = 2 * round(CENTRE_WINDOW / view.resolution[1]) + 1
+        shown_by_left = cv2.dilate(paint, np.ones((1, width), np.uint8)) > 0
+        paint = np.where(shown_by_left, paint, share)
+        return PaintMap(np.minimum(share, 1), view.on_road, paint, contrast, textures[0])
+
+    def _share_of_certain_paint(self, contrast: Floats, view: BirdsEyeView) -> Floats:
+        """Return what part of certain paint's contrast there is, above no paint's; 0 off the road."""
+        share = contrast - np.float32(self._config.contrast_min)
+        share *= np.float32(1 / (self._config.contrast_max - self._config.contrast_min))
+        np.maximum(share, 0, out=share)
+        share *= view.on_road
+        return share
 
 
-def _share_of_certain_paint(contrast: Floats, view: BirdsEyeView, config: PaintMapConfig) -> Floats:
-    """Return what part of certain paint's contrast there is, above no paint's; 0 off the road."""
-    share = (contrast - config.contrast_min) / (config.contrast_max - config.contrast_min)
-    return np.where(view.on_road, np.maximum(share, 0), 0).astype(np.float32)
+def paint_map_builder(config: PaintMapConfig) -> PaintMapBuilder:
+    """Return the builder of the feature that `config.feature` names."""
+    return BandsPaintMap(config) if config.feature == "bands" else EdgesPaintMap(config)
 
 
-def road_texture(view: BirdsEyeView) -> Floats:
+def road_texture(view: BirdsEyeView) -> NDArray[np.float32]:
     """Return the RMS change of the grey value along the road, (rows, columns) [grey levels].
 
     Paint runs along the road and adds little to it; grass, leaves and gravel do.
     """
     per_row, per_column = view.resolution
-    grey = cv2.blur(view.image.astype(np.float32), (3, 1))
+    grey = cv2.boxFilter(view.image, cv2.CV_32F, (3, 1))
     lag = max(1, round(TEXTURE_LAG / per_row))
-    change = shifted(grey.T, lag).T - shifted(grey.T, -lag).T
-    power = np.minimum(change**2 / 2, TEXTURE_MAX**2)
-    power[~view.on_road] = 0
+    padded = cv2.copyMakeBorder(grey, lag, lag, 0, 0, cv2.BORDER_REPLICATE)
+    change = np.asarray(padded[2 * lag :] - padded[: -2 * lag], dtype=np.float32)
+    power = np.minimum(change * change * np.float32(0.5), np.float32(TEXTURE_MAX**2))
+    on_road = view.on_road.astype(np.float32)
+    power *= on_road
     window = _cells(TEXTURE_WINDOW[1], per_column), _cells(TEXTURE_WINDOW[0], per_row)
-    share = cv2.blur(view.on_road.astype(np.float32), window)
-    mean = cv2.blur(power, window) / np.maximum(share, 0.02)
+    mean = cv2.blur(power, window) / np.maximum(cv2.blur(on_road, window), np.float32(0.02))
     return np.asarray(np.sqrt(np.maximum(mean, 0)), dtype=np.float32)
 
 
-def band_contrast(view: BirdsEyeView, texture: Floats) -> Floats:
-    """Return how much each cell is the centre of a bright band, in units of the texture beside it."""
-    per_column = view.resolution[1]
-    grey = view.image.astype(np.float32)
-    flank_width = max(1, round(FLANK / per_column))
+def band_contrast(image: NDArray[np.uint8], texture: Floats, per_column: float) -> NDArray[np.float32]:
+    """Return how much each cell is the centre of a bright band, in units of the texture beside it.
+
+    `image` and `texture` (rows, columns) are of a bird's-eye view with `per_column` metres a column.
+    """
+    columns = image.shape[1]
+    flank = max(1, round(FLANK / per_column))
+    gap = max(1, round(GAP / per_column))
+    halves = [max(1, round((width / per_column - 1) / 2)) for width in PAINT_WIDTHS]
+    reach = max(halves) + gap + flank
+    grey = cv2.copyMakeBorder(image, 0, 0, reach, reach, cv2.BORDER_REPLICATE).astype(np.float32)
     aside = round(TEXTURE_ASIDE / per_column)
-    unit_left = 1 / (shifted(texture, -aside) + SENSOR_NOISE)
-    unit_right = 1 / (shifted(texture, aside) + SENSOR_NOISE)
-    best = np.full_like(grey, -np.inf)
-    for width in PAINT_WIDTHS:
-        half = max(1, round((width / per_column - 1) / 2))
-        band = cv2.blur(grey, (2 * half + 1, 1))
-        offset = half + max(1, round(GAP / per_column)) + 1
-        left = _mean_from(grey, -offset - flank_width + 1, flank_width)
-        right = _mean_from(grey, offset, flank_width)
-        np.maximum(best, np.minimum((band - left) * unit_left, (band - right) * unit_right), out=best)
-    return best
+    unit = 1 / (
+        cv2.copyMakeBorder(texture, 0, 0, aside, aside, cv2.BORDER_REPLICATE) + np.float32(SENSOR_NOISE)
+    )
 
+    def mean(first: int, width: int) -> Floats:
+        """Return, at column i, the mean of columns i + first .. i + first + width - 1."""
+        total = grey[:, reach + first : reach + first + columns].copy()
+        for k in range(reach + first + 1, reach + first + width):
+            total += grey[:, k : k + columns]
+        total *= np.float32(1 / width)
+        return total
 
-def shifted(array: Floats, columns: int) -> Floats:
-    """Return a[:, i + columns] at column i, the border repeated."""
-    index = np.clip(np.arange(array.shape[1]) + columns, 0, array.shape[1] - 1)
-    return array[:, index]
-
-
-def _mean_from(array: Floats, first: int, width: int) -> Floats:
-    """Return, at column i, the mean of columns i + first .. i + first + width - 1."""
-    return sum((shifted(array, first + k) for k in range(width)), np.zeros_like(array)) / np.float32(width)
+    best: Floats | None = None
+    for half in halves:
+        offset = half + gap + 1
+        band = mean(-half, 2 * half + 1)
+        left = (band - mean(-offset - flank + 1, flank)) * unit[:, :columns]
+        right = (band - mean(offset, flank)) * unit[:, 2 * aside :]
+        contrast = np.minimum(left, right, out=left)
+        best = contrast if best is None else np.maximum(best, contrast, out=best)
+    return np.asarray(best, dtype=np.float32)
 
 
 def _cells(length: float, resolution: float) -> int:

@@ -25,6 +25,7 @@ fine enough; `segment_gain` sums a picture up to such blocks:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
@@ -66,26 +67,36 @@ class FreePaths:
             raise ValueError(f"({row}, {column}) is not in the graph, expected below ({rows}, {columns})")
         if np.isneginf(self.score[row, column]):
             raise ValueError(f"no path may end in ({row}, {column}): it is forbidden")
-        ends = self.values[row, :, column]
-        slope: int | None = max(_straightest_first(len(ends)), key=lambda i: float(ends[i]))
+        slopes = self.values.shape[1]
+        ends = self.values[row, :, column].tolist()
+        slope: int | None = max(_straightest_first(slopes), key=ends.__getitem__)
         nodes = []
         while slope is not None:
             nodes.append((row, column, slope))
             slope = self._slope_before(row, column, slope)
-            row, column = row - 1, column - ((slope or 0) - len(ends) // 2)
+            row, column = row - 1, column - ((slope or 0) - slopes // 2)
         return np.array(nodes[::-1], np.int32)
 
     def _slope_before(self, row: int, column: int, slope: int) -> int | None:
         """Return the slope of the node before this one on the best path to it; None where it starts here."""
+        if row == 0:
+            return None
         best, best_gain = None, 0.0
         _, slopes, columns = self.values.shape
-        for i in (slope, slope - 1, slope + 1):  # of equals the one without a bend
-            u = column - (i - slopes // 2)
-            if row > 0 and 0 <= i < slopes and 0 <= u < columns:
-                gain = self.values.item(row - 1, i, u) - self.bend_penalty * (i != slope)
+        values, penalty = self._values, self.bend_penalty
+        u = column - slope + slopes // 2
+        # Of equals the one without a bend.
+        for i, here, bent in ((slope, u, 0.0), (slope - 1, u + 1, penalty), (slope + 1, u - 1, penalty)):
+            if 0 <= i < slopes and 0 <= here < columns:
+                gain = values[row - 1, i, here] - bent
                 if gain > best_gain:
                     best, best_gain = i, gain
         return best
+
+    @cached_property
+    def _values(self) -> memoryview:
+        """The values, an element of which costs a third of what it costs to index the array."""
+        return memoryview(self.values)  # type: ignore[arg-type]
 
 
 def free_paths(gain: ArrayLike, bend_penalty: float) -> FreePaths:
@@ -127,13 +138,16 @@ def free_paths(gain: ArrayLike, bend_penalty: float) -> FreePaths:
     return FreePaths(E, E.max(axis=1), float(penalty))
 
 
-def segment_gain(reward: ArrayLike, max_slope: int, step: int) -> Floats:
+def segment_gain(
+    reward: ArrayLike, max_slope: int, step: int, length: float = 1.0, slope_cost: ArrayLike | None = None
+) -> Floats:
     """Return the gain of straight pieces, (rows // step, 2 * max_slope + 1, columns), for `free_paths`.
 
     The piece (block, i, u) starts in column u with the block's first row and moves j = i - max_slope columns
     to the right over its `step` rows: in row t it lies in column u + j * (t + 0.5) / step, rounded.
-    Its gain is the mean of `reward` (rows, columns) there; -inf where it leaves the picture.
-    Rows beyond the last whole block are left out.
+    Its gain is `length` times the mean of `reward` (rows, columns) there, less the `slope_cost`
+    (2 * max_slope + 1,) of its slope; -inf where it leaves the picture. Rows beyond the last whole block are
+    left out.
 
     Raises ValueError when the reward is not a picture of at least `step` rows, step < 1 or max_slope < 0.
     """
@@ -143,18 +157,28 @@ def segment_gain(reward: ArrayLike, max_slope: int, step: int) -> Floats:
     if picture.ndim != 2 or len(picture) < step or picture.shape[1] == 0:
         raise ValueError(f"reward has shape {picture.shape}, expected (rows, columns) with >= {step} rows")
     blocks, columns = len(picture) // step, picture.shape[1]
-    padded = np.full((blocks, step, columns + 2 * max_slope), -np.inf, np.float32)
-    inside = slice(max_slope, max_slope + columns)
-    np.divide(picture[: blocks * step].reshape(blocks, step, columns), step, out=padded[:, :, inside])
+    costs = np.zeros(2 * max_slope + 1) if slope_cost is None else slope_cost
+    costs = np.asarray(costs, np.float32)
+    # The rows of a block apart from one another, so that those of all blocks are summed up in one piece.
+    padded = np.full((step, blocks, columns + 2 * max_slope), -np.inf, np.float32)
+    rows = picture[: blocks * step].reshape(blocks, step, columns).transpose(1, 0, 2)
+    np.multiply(rows, np.float32(length / step), out=padded[:, :, max_slope : max_slope + columns])
     gain = np.empty((blocks, 2 * max_slope + 1, columns), np.float32)
-    total = np.empty((blocks, columns), np.float32)  # summed up in one piece: faster than in `gain`
-    for i in range(2 * max_slope + 1):
-        aside = np.rint((i - max_slope) * (np.arange(step) + 0.5) / step).astype(int)
-        total[:] = 0
-        for t, left in enumerate((max_slope + aside).tolist()):
-            total += padded[:, t, left : left + columns]
+    total = np.empty((blocks, columns), np.float32)
+    for i, lefts in enumerate(_first_columns(max_slope, step)):
+        np.subtract(padded[0, :, lefts[0] : lefts[0] + columns], costs[i], out=total)
+        for t in range(1, step):
+            total += padded[t, :, lefts[t] : lefts[t] + columns]
         gain[:, i] = total
     return gain
+
+
+@cache
+def _first_columns(max_slope: int, step: int) -> list[list[int]]:
+    """Return, for each slope and row of a piece, the column (padded) of the piece that starts in column 0."""
+    slopes = np.arange(-max_slope, max_slope + 1)[:, None]
+    aside = np.rint(slopes * (np.arange(step) + 0.5) / step).astype(int)
+    return [(max_slope + each).tolist() for each in aside]
 
 
 def _moved_on(padded: Floats) -> Floats:
@@ -173,6 +197,7 @@ def _moved_on(padded: Floats) -> Floats:
     return as_strided(padded[:, 0, 2 * reach :], shape, strides, writeable=False)
 
 
+@cache
 def _straightest_first(slopes: int) -> list[int]:
     """Return the indices of the slopes, the straightest first, left before right."""
     return sorted(range(slopes), key=lambda i: (abs(i - slopes // 2), i))

@@ -7,11 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[Any]
 
+STILL = 1e-7  # change of every coefficient, from round to round, of a fit that stands still
 MIN_DETERMINANT = 1e-5  # of three rows (1, t, t^2), t in [-1, 1]: closer points fix no parabola
 
 
@@ -58,11 +60,28 @@ def tukey_fit(
     """Return b of A b = y by weighted least squares with Tukey's biweight, re-weighted once a tolerance.
 
     `A` (N, p), `y` and `weights` (N,); `ridge` (p, p) is added to the normal equations; residuals beyond a
-    tolerance count nothing. Without `start` the first round takes all points.
+    tolerance count nothing. Without `start` the first round takes all points. It ends before the tolerances
+    do where the fit stands still and the tolerance does, too.
     """
     b: Floats | None = start
+    before = np.inf
+    A_T = np.ascontiguousarray(A.T)
     for tolerance in tolerances:
-        w = weights if b is None else weights * np.maximum(0, 1 - ((y - A @ b) / tolerance) ** 2) ** 2
-        weighted = A * w[:, None]
-        b = np.asarray(np.linalg.solve(A.T @ weighted + ridge, weighted.T @ y))
+        if b is None:
+            w = weights
+        else:
+            w = (y - A @ b) / tolerance
+            w = weights * np.maximum(0, 1 - w * w) ** 2
+        weighted = A_T * w
+        fitted = _solved(weighted @ A + ridge, weighted @ y)
+        still = b is not None and tolerance == before and bool(np.abs(fitted - b).max() < STILL)
+        b, before = fitted, tolerance
+        if still:
+            break
     return np.asarray(b)
+
+
+def _solved(M: Floats, b: Floats) -> Floats:
+    """Return x of M x = b, for M symmetric and positive definite; OpenCV takes a fifth of NumPy's time."""
+    _, x = cv2.solve(M, b[:, None], flags=cv2.DECOMP_CHOLESKY)
+    return np.asarray(x).ravel()

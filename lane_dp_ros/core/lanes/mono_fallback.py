@@ -5,49 +5,115 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.types import LaneEvidence, LaneLine
-
-# What paint hardly ever lacks, and what takes its place often does.
-PAINT_WIDTH = (0.1, 0.28)  # m; broader are kerb stones, narrower the edges of things
-BREADTH_MIN = 0.1  # a band of 0.45 m is brighter than both sides; a kerb's edge has one side as bright
-BRIGHTNESS_MIN = 0.15  # over the road on the vehicle's side, less 1; a kerb's edge is hardly brighter
-ROUGHNESS_MAX = 0.1  # beside the line is asphalt; more is grass, noise or a crowd
-START_MAX = 12.0  # m; what begins farther off stands on the road
-SCORE_MIN = 6.0  # net metres of paint
-BESIDE = (0.75, 2.4)  # m; so far outside another line runs a kerb or a rail, no lane ends there
-
-DOUBTED = 0.5  # confidence; half of what lacks one of these is paint
+from lane_dp_ros.core.lanes.candidate import Candidate
+from lane_dp_ros.core.parameter import Parameters, parameter
+from lane_dp_ros.core.types import Lane
 
 SAME_LINE = 0.3  # m; from one frame to the next a line moves aside by less
 SHARED, SAMPLES = 3.0, 10  # m of depth that two lines must share to be compared there
 
 
-def without_heights(
-    lanes: Sequence[Lane], lines: Sequence[LaneLine], evidence: Sequence[LaneEvidence]
-) -> tuple[Lane, ...]:
-    """Return the lanes of lines, those with at most `DOUBTED` confidence that may well be something else.
+@dataclass(frozen=True)
+class MonoFallbackConfig(Parameters):
+    """What paint hardly ever lacks, and what takes its place often does, where no heights are known."""
 
-    `lanes` are sorted from left to right, `lines` and their `evidence` are not.
-    """
-    ordered = sorted(zip(lines, evidence, strict=True), key=lambda pair: float(pair[0].n[0]))
-    starts = [float(line.n[0]) for line, _ in ordered]
-    return tuple(
-        lane if _looks_like_paint(*pair, starts) else replace(lane, confidence=min(lane.confidence, DOUBTED))
-        for lane, pair in zip(lanes, ordered, strict=True)
+    paint_width_min: float = parameter(
+        0.1,
+        "Narrower are the edges of things.",
+        unit="m",
+        limits=(0.02, 0.5),
+        expert=True,
+    )
+    paint_width_max: float = parameter(
+        0.28,
+        "Broader are kerb stones.",
+        unit="m",
+        limits=(0.1, 1.0),
+        expert=True,
+    )
+    wide_band_ratio_min: float = parameter(
+        0.1,
+        "A 0.45 m band is brighter than both sides; a kerb's edge has one side as bright.",
+        limits=(-1.0, 1.0),
+        expert=True,
+    )
+    brightness_min: float = parameter(
+        0.15,
+        "Over the road on the vehicle's side, less 1; a kerb's edge is hardly brighter.",
+        limits=(-1.0, 1.0),
+        expert=True,
+    )
+    texture_max: float = parameter(
+        0.1,
+        "Beside the line is asphalt; more is grass, noise or a crowd.",
+        limits=(0.01, 1.0),
+        expert=True,
+    )
+    start_max: float = parameter(
+        12.0,
+        "What begins farther off stands on the road.",
+        unit="m",
+        limits=(5.0, 100.0),
+        expert=True,
+    )
+    score_min: float = parameter(
+        6.0,
+        "Net metres of paint.",
+        unit="m",
+        limits=(0.5, 30.0),
+        expert=True,
+    )
+    beside_min: float = parameter(
+        0.75,
+        "So far outside another line runs a kerb or a rail, no lane ends there.",
+        unit="m",
+        limits=(0.1, 3.0),
+        expert=True,
+    )
+    beside_max: float = parameter(
+        2.4,
+        "Up to so far.",
+        unit="m",
+        limits=(0.5, 5.0),
+        expert=True,
+    )
+    doubted_confidence: float = parameter(
+        0.5,
+        "Of what lacks one of these; half of it is paint.",
+        limits=(0.05, 1.0),
+        expert=True,
     )
 
 
-def trusted(lanes: Sequence[Lane], known: Sequence[Lane]) -> tuple[Lane, ...]:
-    """Return the lanes that are not doubted, or go on with a known one of the frame before."""
-    return tuple(lane for lane in lanes if lane.confidence > DOUBTED or any(_same(lane, k) for k in known))
+def without_heights(
+    lanes: Sequence[Lane], candidates: Sequence[Candidate], config: MonoFallbackConfig
+) -> tuple[Lane, ...]:
+    """Return the lanes of candidates, those with little confidence that may well be something else.
+
+    `lanes` are sorted from left to right, `candidates` are not.
+    """
+    ordered = sorted(candidates, key=lambda candidate: float(candidate.line.n[0]))
+    starts = [float(candidate.line.n[0]) for candidate in ordered]
+    doubted = config.doubted_confidence
+    return tuple(
+        lane
+        if _looks_like_paint(candidate, starts, config)
+        else replace(lane, confidence=min(lane.confidence, doubted))
+        for lane, candidate in zip(lanes, ordered, strict=True)
+    )
 
 
-def _same(a: Lane, b: Lane) -> bool:
+def going_on(lanes: Sequence[Lane], known: Sequence[Lane], config: MonoFallbackConfig) -> tuple[Lane, ...]:
+    """Return the lanes that are not doubted, or go on with a `known` one of the frame before."""
+    sure = config.doubted_confidence
+    return tuple(lane for lane in lanes if lane.confidence > sure or any(_is_same(lane, k) for k in known))
+
+
+def _is_same(a: Lane, b: Lane) -> bool:
     near, far = max(a.extent[0], b.extent[0]), min(a.extent[1], b.extent[1])
     if far - near < SHARED:
         return False
@@ -56,15 +122,16 @@ def _same(a: Lane, b: Lane) -> bool:
     return bool(np.abs(x_a - x_b).mean() < SAME_LINE)
 
 
-def _looks_like_paint(line: LaneLine, evidence: LaneEvidence, starts: Sequence[float]) -> bool:
+def _looks_like_paint(candidate: Candidate, starts: Sequence[float], config: MonoFallbackConfig) -> bool:
+    line, evidence = candidate.line, candidate.evidence
     aside = float(line.n[0])
     inner = [abs(aside - n) for n in starts if n * aside > 0 and abs(n) < abs(aside)]
     return (
-        PAINT_WIDTH[0] <= evidence.paint_width <= PAINT_WIDTH[1]
-        and evidence.wide_band_ratio >= BREADTH_MIN
-        and evidence.brightness >= BRIGHTNESS_MIN
-        and evidence.roughness <= ROUGHNESS_MAX
-        and line.s[0] <= START_MAX
-        and line.score >= SCORE_MIN
-        and not any(BESIDE[0] < gap < BESIDE[1] for gap in inner)
+        config.paint_width_min <= evidence.paint_width <= config.paint_width_max
+        and evidence.wide_band_ratio >= config.wide_band_ratio_min
+        and evidence.brightness >= config.brightness_min
+        and evidence.texture <= config.texture_max
+        and line.s[0] <= config.start_max
+        and line.score >= config.score_min
+        and not any(config.beside_min < gap < config.beside_max for gap in inner)
     )

@@ -4,104 +4,178 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.config import PathSearchConfig
+from lane_dp_ros.core.birdseye.paint_map import PaintMap
 from lane_dp_ros.core.dp.free_end_paths import free_paths, segment_gain
 from lane_dp_ros.core.dp.shortest_paths import shortest_paths
-from lane_dp_ros.core.types import LanePath, PaintMap
+from lane_dp_ros.core.lanes.candidate import LanePath
+from lane_dp_ros.core.parameter import Parameters, parameter
 
 Floats = NDArray[np.float32]
 
 SEGMENT = 1.0  # m; length of a straight piece of a free path
-SLOPE_MAX = 0.35  # lateral over forward; the road's axis takes the rest of a bend
-SLOPE_COST = 4.0  # m of paint per m and slope^2
-BEND_COST = 0.14  # m of paint per change of slope by one column
-FREE_PASSES = 4
 CLOSED = -0.3  # gain where an accepted path has been
-APART = 1.2  # m; paths nearer to a better one of the same pass wait for the next pass
 
 
-def find_paths(graph: PaintMap, resolution: tuple[float, float], config: PathSearchConfig) -> list[LanePath]:
-    """Return candidate paths, best first; none where nothing looks like paint.
+@dataclass(frozen=True)
+class PathSearchConfig(Parameters):
+    """The search for paths through the graph."""
 
-    `resolution` is the graph's metres per row and column.
-    """
-    search = _free if config.free_ends else _full_height
-    return search(graph, resolution, config)
+    free_ends: bool = parameter(
+        True,
+        "Paths start and end where the paint does and remember their slope; else the paper's Algorithm 2.",
+    )
+    max_paths: int = parameter(12, "At most so many candidates.", limits=(1, 50))
+    suppression: float = parameter(
+        0.3, "Half width of the band closed around a path that was found.", unit="m", limits=(0.1, 2.0)
+    )
+    min_score: float = parameter(
+        1.5, "Metres of paint that make a candidate; for free ends.", unit="m", limits=(0.5, 20.0)
+    )
+    blank_cost: float = parameter(
+        0.14, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
+    )
+    slope_max: float = parameter(
+        0.35,
+        "Steepest lateral over forward of a path; the road's axis takes the rest of a bend; for free ends.",
+        limits=(0.05, 1.0),
+        expert=True,
+    )
+    slope_cost: float = parameter(
+        4.0,
+        "Metres of paint that a metre of path costs per squared slope; for free ends.",
+        limits=(0.0, 100.0),
+        expert=True,
+    )
+    bend_cost: float = parameter(
+        0.14,
+        "Metres of paint that a change of slope by one column a metre costs; for free ends.",
+        unit="m",
+        limits=(0.0, 10.0),
+        expert=True,
+    )
+    apart: float = parameter(
+        1.2,
+        "Paths nearer to a better one of the same pass wait for the next pass; for free ends.",
+        unit="m",
+        limits=(0.1, 5.0),
+        expert=True,
+    )
+    passes: int = parameter(
+        2,
+        "How often the graph is searched, what was found closed for the next time; for free ends.",
+        limits=(1, 10),
+        expert=True,
+    )
+    neighbours: int = parameter(
+        3, "k, columns by which a path may move from row to row; for Algorithm 2.", limits=(1, 10)
+    )
+    smoothness: float = parameter(
+        2.0, "lambda, cost of moving by j columns is lambda j^2; for Algorithm 2.", limits=(0.0, 100.0)
+    )
+    max_mean_cost: float = parameter(
+        0.65, "epsilon, mean cost along a path that ends the search; for Algorithm 2.", limits=(0.0, 1.0)
+    )
 
 
-def _full_height(
-    graph: PaintMap, resolution: tuple[float, float], config: PathSearchConfig
-) -> list[LanePath]:
-    """Return the paths of Algorithm 2, each from the bottom to the top row.
+class PathSearch(Protocol):
+    """Proposes paths through the graph."""
+
+    def find(self, paint_map: PaintMap, resolution: tuple[float, float]) -> list[LanePath]:
+        """Return candidate paths, best first; none where nothing looks like paint.
+
+        `resolution` is the graph's metres per row and column.
+        """
+
+
+class FullHeightSearch:
+    """The paths of Algorithm 2, each from the bottom to the top row.
 
     Take the path of least cumulative cost, close a band around it - whether it will be accepted or not -
-    and search again, until the mean cost over the rows that are seen exceeds `config.max_mean_cost` (the
-    paper's epsilon).
+    and search again, until the mean cost over the rows that are seen exceeds `max_mean_cost` (the paper's
+    epsilon).
     """
-    per_row, per_column = resolution
-    half_band = max(1, round(config.suppression / per_column))
-    cost = graph.cost
-    rows = np.arange(len(cost))[::-1]
-    found: list[LanePath] = []
-    while len(found) < config.max_paths and np.isfinite(cost).any(axis=1).all():
-        paths = shortest_paths(cost, config.neighbours, config.smoothness)
-        if not np.isfinite(paths.cumulative_cost[0]).any():
-            break
-        columns = paths.best()[::-1]
-        seen = graph.seen[rows, columns]
-        along = graph.feature[rows, columns][seen]
-        if not along.size or 1 - along.mean() > config.max_mean_cost:
-            break
-        found.append(LanePath(rows[seen], columns[seen].astype(np.float64), float(along.sum()) * per_row))
-        near = np.abs(np.arange(cost.shape[1]) - columns[::-1, None]) <= half_band
-        cost = np.where(near, np.inf, cost).astype(np.float32)
-    return found
+
+    def __init__(self, config: PathSearchConfig) -> None:
+        self._config = config
+
+    def find(self, paint_map: PaintMap, resolution: tuple[float, float]) -> list[LanePath]:
+        """See `PathSearch`."""
+        per_row, per_column = resolution
+        half_band = max(1, round(self._config.suppression / per_column))
+        cost = paint_map.cost
+        rows = np.arange(len(cost))[::-1]
+        found: list[LanePath] = []
+        while len(found) < self._config.max_paths and np.isfinite(cost).any(axis=1).all():
+            paths = shortest_paths(cost, self._config.neighbours, self._config.smoothness)
+            if not np.isfinite(paths.cumulative_cost[0]).any():
+                break
+            columns = paths.best()[::-1]
+            seen = paint_map.seen[rows, columns]
+            along = paint_map.feature[rows, columns][seen]
+            if not along.size or 1 - along.mean() > self._config.max_mean_cost:
+                break
+            found.append(LanePath(rows[seen], columns[seen].astype(np.float64), float(along.sum()) * per_row))
+            near = np.abs(np.arange(cost.shape[1]) - columns[::-1, None]) <= half_band
+            cost = np.where(near, np.inf, cost).astype(np.float32)
+        return found
 
 
-def _free(graph: PaintMap, resolution: tuple[float, float], config: PathSearchConfig) -> list[LanePath]:
-    """Return paths with free ends, scored by the metres of paint less what blank road and bends cost.
+class FreeEndSearch:
+    """Paths with free ends, scored by the metres of paint less what blank road, slope and bends cost.
 
     Every pass yields all paths that keep clear of better ones; a narrow band around each is closed for
     the next pass, in which a line close beside it can show up.
     """
-    search = _FreeSearch(graph, resolution, config)
-    for _ in range(FREE_PASSES):
-        if not search.run_pass():
-            break
-    return sorted(search.found, key=lambda path: -path.score)
+
+    def __init__(self, config: PathSearchConfig) -> None:
+        self._config = config
+
+    def find(self, paint_map: PaintMap, resolution: tuple[float, float]) -> list[LanePath]:
+        """See `PathSearch`."""
+        passes = _FreeEndPasses(paint_map, resolution, self._config)
+        for _ in range(self._config.passes):
+            if not passes.run():
+                break
+        return sorted(passes.found, key=lambda path: -path.score)
 
 
-class _FreeSearch:
+def path_search(config: PathSearchConfig) -> PathSearch:
+    """Return the search that `config.free_ends` chooses."""
+    return FreeEndSearch(config) if config.free_ends else FullHeightSearch(config)
+
+
+class _FreeEndPasses:
     """The state of the repeated search with free ends. Rows run from near to far in here."""
 
-    def __init__(self, graph: PaintMap, resolution: tuple[float, float], config: PathSearchConfig) -> None:
+    def __init__(
+        self, paint_map: PaintMap, resolution: tuple[float, float], config: PathSearchConfig
+    ) -> None:
         per_row, self.per_column = resolution
         self.config = config
         self.step = max(1, round(SEGMENT / per_row))
         self.segment = self.step * per_row
-        self.max_slope = int(SLOPE_MAX * self.segment / self.per_column + 1e-6)
-        self.rows = len(graph.feature)
+        self.max_slope = int(config.slope_max * self.segment / self.per_column + 1e-6)
+        self.rows = len(paint_map.feature)
         blocks = self.rows // self.step
         self.reward = (
-            np.where(graph.seen, graph.feature - config.blank_cost, 0).astype(np.float32)[::-1].copy()
+            np.where(paint_map.seen, paint_map.feature - config.blank_cost, 0).astype(np.float32)[::-1].copy()
         )
-        self.taken = np.zeros((blocks, graph.feature.shape[1]), bool)
+        self.taken = np.zeros((blocks, paint_map.feature.shape[1]), bool)
         slopes = np.arange(-self.max_slope, self.max_slope + 1) * self.per_column / self.segment
-        self.slope_cost = (SLOPE_COST * self.segment * slopes**2).astype(np.float32)
+        self.slope_cost = (config.slope_cost * self.segment * slopes**2).astype(np.float32)
         self.found: list[LanePath] = []
 
-    def run_pass(self) -> bool:
+    def run(self) -> bool:
         """Search once; return whether anything was found."""
-        gain = segment_gain(self.reward, self.max_slope, self.step)
-        gain *= np.float32(self.segment)
-        gain -= self.slope_cost[:, None]
-        paths = free_paths(gain, BEND_COST)
+        gain = segment_gain(self.reward, self.max_slope, self.step, self.segment, self.slope_cost)
+        paths = free_paths(gain, self.config.bend_cost)
         score = np.where(self.taken, 0, paths.score)
         highest = score >= cv2.dilate(score, np.ones((3, 5), np.uint8))
         rows, columns = np.nonzero(highest & (score >= self.config.min_score))
@@ -130,7 +204,7 @@ class _FreeSearch:
         half = self._cells(self.config.suppression)
         self.reward[_band(rows, np.rint(columns).astype(int), half, self.reward.shape[1])] = CLOSED
         self._mark(self.taken, block, column, self.config.suppression)
-        self._mark(busy, block, column, APART)
+        self._mark(busy, block, column, self.config.apart)
 
     def _mark(
         self, cells: NDArray[np.bool_], rows: NDArray[Any], columns: NDArray[Any], width: float

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Heights along a line, to a centimetre: how far the right image has to move to fit the left one.
+"""Heights along lines, to a centimetre: how far the right image has to move to fit the left one.
 
 A plane sweep (Collins, "A space-sweep approach to true multi-image matching", CVPR 1996) over surfaces above
 and below the road's. The dense disparity is smooth where a kerb is not; a line is long enough to be matched
@@ -9,6 +9,7 @@ by itself.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,28 +17,50 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.types import BirdsEyeView, LaneLine, StereoFrame
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.segments import Segments
+from lane_dp_ros.core.parameter import Parameters, parameter
+from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 
-STEP = 0.02  # m between the surfaces
-HEIGHTS = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
+STEP = 0.02  # m between the planes
+PLANES = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
 FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity with KITTI's cameras
 ALONG, ACROSS = 0.25, 0.025  # m between the samples
 LINE = 0.2  # m to each side of the line: the paint with its borders
 GROUND = (0.3, 1.2)  # m aside; the ground beside it
+ASIDE = np.arange(-GROUND[1], GROUND[1] + ACROSS / 2, ACROSS)
+PARTS = (  # of the samples across: the line, the ground to the left, to the right
+    np.abs(ASIDE) < LINE + ACROSS / 2,
+    -GROUND[0] + ACROSS / 2 > ASIDE,
+    GROUND[0] - ACROSS / 2 < ASIDE,
+)
 MIN_ROWS = 10  # of samples across the line; with fewer a height is chance
 GAIN = 0.5, 2.0  # of the left camera over the right one
 OUTLIER = 20.0  # grey levels; more difference counts no more
-DISTINCT = 0.3  # of the least difference; less than that below the median of all of them is chance
 NOISE = 0.5  # grey levels; less difference is none
+
+
+@dataclass(frozen=True)
+class PlaneSweepConfig(Parameters):
+    """The heights along lines."""
+
+    distinct: float = parameter(
+        0.3,
+        "How much, of the least difference, the median of all planes' differences is more; less is chance.",
+        limits=(0.0, 2.0),
+        expert=True,
+    )
 
 
 @dataclass(frozen=True)
 class LineHeights:
     """Heights [m] above the road's surface: of a line, and of the ground to both sides; NaN if unknown.
 
-    What stands as high as the last of `HEIGHTS`, or a little higher, has that height.
+    What stands as high as the last of the planes, or a little higher, has that height.
     """
 
     line: float = np.nan
@@ -45,59 +68,94 @@ class LineHeights:
     right: float = np.nan
 
 
-def line_heights(line: LaneLine, view: BirdsEyeView, picture: StereoFrame) -> LineHeights:
-    """Return the heights along a line in the view of a picture; unknown where it is short, far, or mono."""
-    s = np.arange(line.s[0], min(line.s[-1], FAR), ALONG)
-    if picture.right is None or len(s) < MIN_ROWS:
-        return LineHeights()
-    aside = np.arange(-GROUND[1], GROUND[1] + ACROSS / 2, ACROSS)
-    x, z = view.axis.to_ground(s[:, None], np.interp(s, line.s, line.n)[:, None] + aside)
-    u, v = (np.asarray(each, dtype=np.float32) for each in view.ground.ground_to_pixel(x, z))
-    u_right = _right_columns(u, v, view)
-    rows, columns = picture.left.shape
-    seen = (u >= 0) & (u <= columns - 1) & (v >= 0) & (v <= rows - 1)
-    seen &= (u_right.min(axis=0) >= 0) & (u_right.max(axis=0) <= columns - 1)
-    left, right = _sampled(picture.left, u[None], v), _sampled(picture.right, u_right, v)
+def line_heights(
+    lines: Sequence[LaneLine], view: BirdsEyeView, frame: StereoFrame, config: PlaneSweepConfig
+) -> list[LineHeights]:
+    """Return the heights along lines in the view of a grey frame; unknown of a short, far, or mono one."""
+    found = [LineHeights()] * len(lines)
+    places = [np.arange(line.s[0], min(line.s[-1], FAR), ALONG) for line in lines]
+    swept = [i for i, s in enumerate(places) if len(s) >= MIN_ROWS]
+    if frame.right is None or not swept:
+        return found
+    s = np.concatenate([places[i] for i in swept])
+    n = np.concatenate([np.interp(places[i], lines[i].s, lines[i].n) for i in swept])
+    x, z = view.axis.to_ground(s[:, None], n[:, None] + ASIDE)
+    u, v = (np.asarray(each, dtype=np.float32) for each in view.ipm_plane.ground_to_pixel(x, z))
+    u_right = _right_columns(u, v, view.road_surface)
+    seen = _seen(u, v, u_right, frame.left.shape)
+    left, right = _sampled(frame.left, u[None], v)[0], _sampled(frame.right, u_right, v)
+    lines_of_rows = Segments([len(places[i]) for i in swept])
+    heights = [
+        _heights(
+            left[:, part],
+            right[:, :, part],
+            np.asarray(seen[:, part].all(axis=1)),
+            lines_of_rows,
+            config.distinct,
+        )
+        for part in PARTS
+    ]
+    for i, (of_line, of_left, of_right) in zip(swept, np.transpose(heights).tolist(), strict=True):
+        found[i] = LineHeights(of_line, of_left, of_right)
+    return found
 
-    nearest = GROUND[0] - ACROSS / 2
-    parts = np.abs(aside) < LINE + ACROSS / 2, aside < -nearest, aside > nearest
-    return LineHeights(*(_height(left[0][:, part], right[:, :, part], seen[:, part]) for part in parts))
 
-
-def _right_columns(u: Floats, v: Floats, view: BirdsEyeView) -> Floats:
-    """Return where the right camera sees pixels (rows, columns) of the left one, for each of `HEIGHTS`."""
-    surface = view.surface
+def _right_columns(u: Floats, v: Floats, surface: RoadSurface) -> NDArray[np.float32]:
+    """Return where the right camera sees pixels (rows, columns) of the left one, for each of `PLANES`."""
     # What stands h above the road, below cameras at the height H, is nearer by (H - h) / H.
-    nearer = surface.camera_height / (surface.camera_height - HEIGHTS)
-    disparity = nearer[:, None, None] * surface.disparity(u, v) + surface.camera.disparity_offset
-    return np.asarray(u - disparity, dtype=np.float32)
+    nearer = surface.camera_height / (surface.camera_height - PLANES)
+    disparity = nearer.astype(np.float32)[:, None, None] * surface.disparity(u, v)
+    return np.asarray(u - np.float32(surface.camera.disparity_offset) - disparity, dtype=np.float32)
 
 
-def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> Floats:
-    """Return the grey values at columns u (heights, rows, columns) and rows v (rows, columns)."""
+def _seen(u: Floats, v: Floats, u_right: Floats, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return which pixels (rows, columns) both images show, on every plane."""
+    rows, columns = shape
+    # The first plane is the lowest: what stands higher is seen farther to the left.
+    right = (u_right[-1] >= 0) & (u_right[0] <= columns - 1)
+    return np.asarray((u >= 0) & (u <= columns - 1) & (v >= 0) & (v <= rows - 1) & right)
+
+
+def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> NDArray[np.float32]:
+    """Return the grey values at columns u (planes, rows, columns) and rows v (rows, columns)."""
     map_v = np.broadcast_to(v, u.shape).reshape(-1, u.shape[2])
     sampled = cv2.remap(image, u.reshape(map_v.shape), map_v, cv2.INTER_LINEAR)
-    return sampled.reshape(u.shape).astype(np.float32)
+    return np.asarray(sampled, dtype=np.float32).reshape(u.shape)
 
 
-def _height(left: Floats, right: Floats, seen: NDArray[np.bool_]) -> float:
-    """Return the height [m] at which right (heights, rows, columns) fits left (rows, columns) best, or NaN.
+def _heights(
+    left: Floats, right: Floats, seen: NDArray[np.bool_], lines: Segments, distinct: float
+) -> NDArray[np.float64]:
+    """Return, of each line, the height [m] at which the right image fits the left one best, or NaN.
 
-    Rows count that are `seen` from end to end.
+    `left` (rows, columns) and `right` (planes, rows, columns) hold the rows of all `lines`; rows count that
+    are `seen` (rows,) from end to end.
     """
-    whole = seen.all(axis=1)
-    if np.count_nonzero(whole) < MIN_ROWS:
-        return float(np.nan)
-    left, right = left[whole], right[:, whole]
-    left = left - left.mean(axis=1, keepdims=True)
-    right = right - right.mean(axis=2, keepdims=True)
-    power = np.maximum((right**2).sum(axis=(1, 2)), 1.0)
-    gain = np.clip((right * left).sum(axis=(1, 2)) / power, *GAIN)
-    difference = np.minimum(np.abs(left - gain[:, None, None] * right), OUTLIER).mean(axis=(1, 2))
+    counts = lines.count(seen)
+    heights = np.full(len(lines), np.nan)
+    if counts.max() < MIN_ROWS:
+        return heights
+    weight = seen.astype(np.float32)[:, None]
+    scale = np.float32(1 / left.shape[1])
+    left = (left - left.sum(axis=1, keepdims=True) * scale) * weight
+    right = (right - right.sum(axis=2, keepdims=True) * scale) * weight
+    power = lines.sum(np.einsum("prc,prc->pr", right, right))
+    gain = lines.sum(np.einsum("prc,rc->pr", right, left)) / np.maximum(power, 1.0)
+    right *= lines.spread(np.clip(gain, *GAIN).astype(np.float32))[:, :, None]
+    right -= left
+    np.minimum(np.abs(right, out=right), np.float32(OUTLIER), out=right)
+    difference = lines.sum(right.sum(axis=2)) / np.maximum(counts * left.shape[1], 1)
+    for i in np.flatnonzero(counts >= MIN_ROWS):
+        heights[i] = _best_height(difference[:, i], distinct)
+    return heights
+
+
+def _best_height(difference: Floats, distinct: float) -> float:
+    """Return the height [m] at which the difference (planes,) is least, NaN where it is not distinct."""
     i = int(difference.argmin())
-    if i == 0 or np.median(difference) < (1 + DISTINCT) * max(difference[i], NOISE):
+    if i == 0 or np.median(difference) < (1 + distinct) * max(difference[i], NOISE):
         return float(np.nan)
-    if i == len(HEIGHTS) - 1:
-        return float(HEIGHTS[-1])
+    if i == len(PLANES) - 1:
+        return float(PLANES[-1])
     before, least, after = difference[i - 1 : i + 2]
-    return float(HEIGHTS[i] + 0.5 * STEP * (before - after) / (before - 2 * least + after))
+    return float(PLANES[i] + 0.5 * STEP * (before - after) / (before - 2 * least + after))

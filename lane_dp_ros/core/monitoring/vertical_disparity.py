@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 
 Floats = NDArray[Any]
 
@@ -35,14 +36,14 @@ class VerticalDisparity(NamedTuple):
 def vertical_disparity(
     left: NDArray[np.uint8],
     right: NDArray[np.uint8],
-    disparity: NDArray[np.float32],
+    disparity: DisparityMap,
     camera: StereoCamera,
 ) -> VerticalDisparity | None:
     """Return the offset of the right image against the left one, None where too little is to be seen.
 
     Both are uint8, (H, W) grey or (H, W, 3) BGR, of which green is looked at.
 
-    One step of registration (Lucas & Kanade 1981) of the right image, moved by the `disparity` (H, W), onto
+    One step of registration (Lucas & Kanade 1981) of the right image, moved by the `disparity`, onto
     the left; what the disparity lacks, the same in columns, is taken out. Offsets of several pixels are
     underestimated, as the matcher has found other partners by then.
     """
@@ -52,7 +53,9 @@ def vertical_disparity(
     if len(rows) * left.shape[1] < MIN_PIXELS or left.shape[1] < 2:
         return None
     u, v = np.meshgrid(np.arange(left.shape[1], dtype=np.float32), rows.astype(np.float32))
-    moved = u - disparity[rows] - np.float32(camera.disparity_offset)
+    moved = (
+        u - disparity.at(rows[:, None], np.arange(left.shape[1])[None]) - np.float32(camera.disparity_offset)
+    )
     seen = np.isfinite(moved) & (moved >= 0)
     moved = np.where(seen, moved, 0).astype(np.float32)
     above, right_rows, below = (

@@ -4,33 +4,66 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.config import DisparityConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.parameter import Parameters, check_order, parameter
+from lane_dp_ros.core.types import StereoFrame
 
 ABOVE_HORIZON = 0.03  # of fy; rows higher above the principal point hold no road (a slope of 3 %)
 SPECKLE_RANGE = 2  # px; change of disparity inside a patch
 SUBPIXEL = 16  # OpenCV's fixed-point disparities
 
 
-def dense_disparity(
-    left: NDArray[np.uint8], right: NDArray[np.uint8] | None, camera: StereoCamera, config: DisparityConfig
-) -> NDArray[np.float32]:
-    """Return the disparity (H, W) [px] of a rectified grey pair (H, W), NaN where there is no match.
+@dataclass(frozen=True)
+class DisparityConfig(Parameters):
+    """The stereo matcher; names and meaning as in stereo_image_proc (semi-global block matching)."""
+
+    disparity_range: int = parameter(
+        128,
+        "Number of disparities searched; bounds the nearest depth.",
+        unit="px",
+        limits=(32, 1024),
+        step=32,
+    )
+    correlation_window_size: int = parameter(
+        7, "Side of the matched window, odd.", unit="px", limits=(1, 31), step=2
+    )
+    P1: int = parameter(400, "Penalty on disparity changes of 1 px.", limits=(0, 4000))
+    P2: int = parameter(1600, "Penalty on larger disparity changes, more than P1.", limits=(1, 16000))
+    uniqueness_ratio: int = parameter(  # OpenCV divides by 100 less this
+        10, "How much the best match must beat the second.", unit="%", limits=(0, 99)
+    )
+    speckle_size: int = parameter(
+        100, "Smaller patches of disparity are invalid.", unit="px", limits=(0, 1000)
+    )
+    downscale: int = parameter(
+        2, "Match at 1/downscale of the image's resolution; 2 takes a tenth of the time.", limits=(1, 4)
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_order(self, "disparity", "P1", "P2")
+
+
+def dense_disparity(frame: StereoFrame, camera: StereoCamera, config: DisparityConfig) -> DisparityMap:
+    """Return the disparity of a rectified grey pair.
 
     Semi-global matching (Hirschmueller 2008), three directions, on the rows that can show road only. The
-    camera's disparity offset is taken off, so that depth is fx * baseline / disparity. Images too small
-    to match, or no right image, give NaN everywhere.
+    camera's disparity offset is taken off, so that depth is fx * baseline / disparity. Of images too small
+    to match, and without a right image, nothing is known.
     """
-    disparity = np.full(left.shape, np.nan, dtype=np.float32)
-    first = int(np.clip(camera.cy - ABOVE_HORIZON * camera.fy, 0, left.shape[0]))
-    matched = None if right is None else _match(left[first:], right[first:], config)
-    if matched is not None:
-        disparity[first:] = matched - np.float32(camera.disparity_offset)
-    return disparity
+    shape = frame.left.shape[0], frame.left.shape[1]
+    first = int(np.clip(camera.cy - ABOVE_HORIZON * camera.fy, 0, shape[0]))
+    matched = None if frame.right is None else _match(frame.left[first:], frame.right[first:], config)
+    if matched is None:
+        return DisparityMap.unknown(shape)
+    return DisparityMap(shape, first, matched - np.float32(camera.disparity_offset))
 
 
 def _match(
@@ -46,9 +79,10 @@ def _match(
         return None
     small = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (left, right)]
     fixed = matcher.compute(*small)
-    scale = columns / size[0] / SUBPIXEL
-    found = np.where(fixed >= 0, fixed * np.float32(scale), np.nan)
-    return np.asarray(cv2.resize(found.astype(np.float32), (columns, rows), interpolation=cv2.INTER_NEAREST))
+    matched = fixed.astype(np.float32)
+    matched *= np.float32(columns / size[0] / SUBPIXEL)
+    matched[fixed < 0] = np.nan
+    return matched
 
 
 def _matcher(config: DisparityConfig) -> cv2.StereoSGBM:

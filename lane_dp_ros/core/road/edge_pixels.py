@@ -4,14 +4,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.types import RoadEdges
 
 Floats = NDArray[Any]
 
@@ -21,14 +22,29 @@ MAX_EDGES = 8000  # more are thinned out evenly; the vote does not get better
 BELOW_HORIZON = 0.02  # of fy
 DEPTH_MIN, DEPTH_MAX = 3.0, 35.0  # m
 HALF_WIDTH = 10.0  # m
-ON_SURFACE_PX, ON_SURFACE_SHARE = (
-    1.2,
-    0.08,
-)  # disparity farther than px + share * d from the road's is not road
+ON_SURFACE_PX, ON_SURFACE_SHARE = 1.2, 0.08  # disparity farther than px + share * d from the road's: no road
 MAX_LENGTH = 0.5  # m; one far pixel covers much ground: no more weight than this
 
 
-def road_edges(image: NDArray[np.uint8], disparity: NDArray[np.float32], surface: RoadSurface) -> RoadEdges:
+@dataclass(frozen=True)
+class EdgePixels:
+    """Edge pixels on the road, N of them.
+
+    `u, v` [px]; `gradient_u, gradient_v` (3x3 Sobel, grey levels); on the ground `x, z` [m], the edge's
+    `heading` [rad], positive to the right, and the `length` [m] of ground that the pixel stands for.
+    """
+
+    u: Floats
+    v: Floats
+    gradient_u: Floats
+    gradient_v: Floats
+    x: Floats
+    z: Floats
+    heading: Floats
+    length: Floats
+
+
+def edge_pixels(image: NDArray[np.uint8], disparity: DisparityMap, surface: RoadSurface) -> EdgePixels:
     """Return the Canny edges of the grey left image (H, W) that lie on the road.
 
     The tangent (-g_v, g_u) of an edge goes to the ground through the derivative of the surface's disparity:
@@ -45,12 +61,12 @@ def road_edges(image: NDArray[np.uint8], disparity: NDArray[np.float32], surface
     u, v = columns.astype(np.float64), rows + float(first)
     x, z = surface.pixel_to_ground(u, v)
     road = surface.disparity(u, v)
-    off = np.abs(disparity[rows + first, columns] - road) > ON_SURFACE_PX + ON_SURFACE_SHARE * road
-    on = ~off & (z > DEPTH_MIN) & (z < DEPTH_MAX) & (np.abs(x) < HALF_WIDTH)
+    off = np.abs(disparity.at(rows + first, columns) - road) > ON_SURFACE_PX + ON_SURFACE_SHARE * road
+    on = np.flatnonzero(~off & (z > DEPTH_MIN) & (z < DEPTH_MAX) & (np.abs(x) < HALF_WIDTH))
     g_u = sobel_u[rows[on], columns[on]].astype(np.float64)
     g_v = sobel_v[rows[on], columns[on]].astype(np.float64)
     heading, length = _on_ground(surface, g_u, g_v, v[on], x[on], z[on])
-    return RoadEdges(u[on], v[on], g_u, g_v, x[on], z[on], heading, thinning * length)
+    return EdgePixels(u[on], v[on], g_u, g_v, x[on], z[on], heading, thinning * length)
 
 
 def _on_ground(

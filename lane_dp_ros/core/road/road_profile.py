@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.config import RoadProfileConfig
 from lane_dp_ros.core.dp.robust_fit import ransac_parabola, tukey_fit
 from lane_dp_ros.core.dp.shortest_paths import shortest_paths
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import PIXELS, RoadSurface
+from lane_dp_ros.core.parameter import Parameters, parameter
 
 Floats = NDArray[Any]
 
@@ -31,6 +33,25 @@ MAX_TRIALS = 80  # RANSAC samples
 NEIGHBOURS = 2  # disparities [px] by which the v-disparity path may move from row to row
 NARROWING = np.array([3.0] + 19 * [2.0])  # times residual_threshold; by then the fit stands still
 RIDGE = np.diag([1e-9, 1e-9, 2e-4, 1e-9])  # per sample; holds a profile that the data leave open straight
+
+
+@dataclass(frozen=True)
+class RoadProfileConfig(Parameters):
+    """The road's surface from the disparity."""
+
+    roll: bool = parameter(True, "Fit the road's cross slope, too.")
+    camera_height: float = parameter(
+        1.65,
+        "Camera above the road; the measured one is within a factor of 1.4. Serves where none is measured.",
+        unit="m",
+        limits=(0.3, 5.0),
+    )
+    camera_pitch: float = parameter(
+        0.0, "Camera looks down on the road; serves where none is measured.", unit="rad", limits=(-0.3, 0.3)
+    )
+    residual_threshold: float = parameter(
+        1.0, "Disparities farther from the surface do not belong to it.", unit="px", limits=(0.2, 5.0)
+    )
 
 
 def v_disparity(rows: NDArray[np.intp], disparity: Floats, shape: tuple[int, int]) -> NDArray[np.float32]:
@@ -58,7 +79,7 @@ def plausible_heights(config: RoadProfileConfig) -> tuple[float, float]:
 
 
 def fit_road_surface(
-    disparity: NDArray[np.float32], camera: StereoCamera, config: RoadProfileConfig, rng: np.random.Generator
+    disparity: DisparityMap, camera: StereoCamera, config: RoadProfileConfig, rng: np.random.Generator
 ) -> RoadSurface | None:
     """Return the road's surface, or None where the disparity shows no road at a possible camera height.
 
@@ -67,10 +88,9 @@ def fit_road_surface(
     iterated Tukey weights.
     """
     first = int(np.clip(camera.cy + BELOW_HORIZON * camera.fy, 0, disparity.shape[0] - 1))
-    v, u = np.mgrid[
-        first : disparity.shape[0] : ROW_STEP, COLUMN_STEP // 2 : disparity.shape[1] : COLUMN_STEP
-    ]
-    d = disparity[first::ROW_STEP, COLUMN_STEP // 2 :: COLUMN_STEP]
+    v = np.arange(first, disparity.shape[0], ROW_STEP)[:, None]
+    u = np.arange(COLUMN_STEP // 2, disparity.shape[1], COLUMN_STEP)[None]
+    d = disparity.at(v, u)
     with np.errstate(invalid="ignore"):
         matched = (d > MIN_DISPARITY) & (d < disparity.shape[1])
         near = matched & (np.abs(u - camera.cx) * camera.baseline < HALF_WIDTH * d)
@@ -78,15 +98,17 @@ def fit_road_surface(
         return None
     rows_per_px = config.camera_height * camera.fy / (camera.baseline * camera.fx)
     lies = ~_stands(np.where(near, d, 0), rows_per_px)[near]
-    u, v, d = u[near], v[near], d[near].astype(np.float64)
-    shape = int(v.max() - first) // ROW_STEP + 1, int(d.max()) + 1
-    rows, path = v_disparity_path(v_disparity((v[lies] - first) // ROW_STEP, d[lies], shape))
-    n = (first + ROW_STEP * rows - camera.cy) / PIXELS
-    profile = ransac_parabola(np.asarray(n), path, config.residual_threshold, MAX_TRIALS, rng)
+    row, column = np.nonzero(near)
+    d = d[near].astype(np.float64)
+    n, m = (v[row, 0] - camera.cy) / PIXELS, (u[0, column] - camera.cx) / PIXELS
+    histogram = v_disparity(row[lies], d[lies], (int(row.max()) + 1, int(d.max()) + 1))
+    path_rows, path = v_disparity_path(histogram)
+    n_of_path = (v[path_rows, 0] - camera.cy) / PIXELS
+    profile = ransac_parabola(n_of_path, path, config.residual_threshold, MAX_TRIALS, rng)
     if profile is None:
         return None
     b = np.append(profile.coefficients, 0.0)
-    A = _design((v - camera.cy) / PIXELS, (u - camera.cx) / PIXELS)
+    A = np.stack([np.ones_like(n), n, n * n, m], axis=1)
     if config.roll:
         b = tukey_fit(A, d, np.ones_like(d), RIDGE * len(d), config.residual_threshold * NARROWING, b)
     surface = RoadSurface(camera, (float(b[0]), float(b[1]), float(b[2]), float(b[3])))
@@ -112,7 +134,3 @@ def _plausible(surface: RoadSurface, config: RoadProfileConfig) -> bool:
         and abs(surface.pitch - config.camera_pitch) <= PITCH_RANGE
         and abs(surface.roll) <= ROLL_MAX
     )
-
-
-def _design(n: Floats, m: Floats) -> Floats:
-    return np.stack([np.ones_like(n), n, n * n, m], axis=1)

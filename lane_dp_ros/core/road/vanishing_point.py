@@ -1,62 +1,119 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dense vanishing point of Ozgunalp et al. 2017, and the pitch and yaw that a vanishing point tells."""
+"""The road's direction from the edges on it: the paper's dense vanishing point, or an arc in metres."""
 
 from __future__ import annotations
 
-import cv2
+from dataclasses import dataclass
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.dp.shortest_paths import shortest_paths
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.types import RoadEdges, VanishingPoint
+from lane_dp_ros.core.parameter import Parameters, parameter
+from lane_dp_ros.core.road.arc_vote import arc_of_edges
+from lane_dp_ros.core.road.dense_vote import QuarticVanishingPoint, quartic_vanishing_point
+from lane_dp_ros.core.road.edge_pixels import edge_pixels
 
-Floats = NDArray[np.float64]
-
-CELL = 4  # px, rows and columns of the accumulator
-MARGIN = 0.5  # of the image's width; how far beside the image a vanishing point is looked for
-BLUR = (9, 5)  # cells across and along; edges point a few pixels beside their vanishing point
-NEIGHBOURS, SMOOTHNESS = 2, 0.02  # small steps in u: the vanishing point moves slowly along the road
-DEGREE = 4
-MIN_EDGES = 20
+Image = NDArray[np.uint8]
 
 
-def dense_vanishing_point(edges: RoadEdges, surface: RoadSurface, shape: tuple[int, ...]) -> VanishingPoint:
-    """Return the vanishing point near the vehicle, with the quartic u_vp(v) of the road ahead.
+@dataclass(frozen=True)
+class VanishingPointConfig(Parameters):
+    """The road's direction from the edges on it."""
 
-    Every edge votes in the accumulator (v, u_vp), weighted by its gradient, for u_vp = u + (v - v_vp(v))
-    g_v / g_u, v_vp(v) being the horizon that the road's profile has at its row. A shortest path from the
-    bottom row up, then a quartic through it, is u_vp(v). `shape` is the image's (rows, columns). With too
-    few edges it is straight ahead.
-    """
-    votes, first = _accumulate(edges, surface, shape)
-    if len(edges.u) < MIN_EDGES:
-        return vanishing_point_of(RoadAxis(), surface)
-    peak = np.maximum(votes.max(axis=1, keepdims=True), 1e-6)
-    column = shortest_paths(1 - votes / peak, k=NEIGHBOURS, smoothness=SMOOTHNESS).best()
-    rows = np.arange(len(votes))
-    v = first + (rows + 0.5) * CELL
-    u = (column + 0.5) * CELL - MARGIN * shape[1]
-    degree = min(DEGREE, len(v) - 1)
-    polynomial = np.polynomial.Polynomial.fit(v, u, degree, w=np.sqrt(votes[rows, column] + 1e-3))
-    near = float(np.clip(surface.near_row, v[0], v[-1]))  # where nothing votes the quartic runs wild
-    return VanishingPoint(
-        float(polynomial(near)), float(surface.horizon(near)), tuple(polynomial.convert().coef)
+    method: str = parameter(
+        "arc",
+        "arc: heading and curvature of the road's axis by voting; dense: the paper's quartic u_vp(v).",
+        choices=("arc", "dense"),
+    )
+    centred_principal_point: bool = parameter(
+        False, "Pitch and yaw by the paper's formula, which takes the image's middle for the principal point."
+    )
+    heading_max: float = parameter(
+        0.5, "Largest angle between road and vehicle; for arc.", unit="rad", limits=(0.1, 0.8)
+    )
+    curvature_max: float = parameter(
+        0.05, "Sharpest bend, 1/radius; for arc.", unit="1/m", limits=(0.005, 0.1)
     )
 
 
-def vanishing_point_of(axis: RoadAxis, surface: RoadSurface) -> VanishingPoint:
-    """Return the vanishing point of the road's direction at the vehicle."""
+@dataclass(frozen=True)
+class RoadDirection:
+    """The road's axis, the plane by which the road is mapped to the image, and where the axis vanishes.
+
+    `vanishing_point` (u, v) [px] is that of the direction at the vehicle; `u_of_row` are the coefficients,
+    constant first, of the quartic u_vp(v) along the road ahead, empty where only an arc was estimated.
+    """
+
+    axis: RoadAxis
+    ipm_plane: RoadSurface
+    vanishing_point: tuple[float, float]
+    u_of_row: tuple[float, ...] = ()
+
+
+class DirectionEstimator(Protocol):
+    """Estimates the road's direction in a frame."""
+
+    def estimate(self, left: Image, disparity: DisparityMap, surface: RoadSurface) -> RoadDirection:
+        """Return the direction of the road whose `surface` the grey image `left` (H, W) shows."""
+
+
+class ArcVanishingPoint:
+    """The axis as an arc, a heading and a curvature; the road is mapped by its measured surface."""
+
+    def __init__(self, config: VanishingPointConfig) -> None:
+        self._config = config
+
+    def estimate(self, left: Image, disparity: DisparityMap, surface: RoadSurface) -> RoadDirection:
+        """See `DirectionEstimator`."""
+        edges = edge_pixels(left, disparity, surface)
+        axis = arc_of_edges(edges, self._config.heading_max, self._config.curvature_max)
+        return direction_along(axis, surface)
+
+
+class DenseVanishingPoint:
+    """The paper's vanishing point (Ozgunalp et al. 2017): a straight road on the plane that it tells."""
+
+    def __init__(self, config: VanishingPointConfig) -> None:
+        self._config = config
+
+    def estimate(self, left: Image, disparity: DisparityMap, surface: RoadSurface) -> RoadDirection:
+        """See `DirectionEstimator`."""
+        edges = edge_pixels(left, disparity, surface)
+        point = quartic_vanishing_point(edges, surface, left.shape)
+        if point is None:
+            u, v = vanishing_point_of(RoadAxis(), surface)
+            point = QuarticVanishingPoint(u, v, ())
+        centred = self._config.centred_principal_point
+        pitch, yaw = pitch_and_yaw((point.u, point.v), surface.camera, left.shape, centred)
+        plane = RoadSurface.plane(surface.camera, surface.camera_height, pitch)
+        return RoadDirection(RoadAxis(yaw), plane, (point.u, point.v), point.u_of_row)
+
+
+def direction_estimator(config: VanishingPointConfig) -> DirectionEstimator:
+    """Return the estimator that `config.method` names."""
+    return ArcVanishingPoint(config) if config.method == "arc" else DenseVanishingPoint(config)
+
+
+def direction_along(axis: RoadAxis, surface: RoadSurface) -> RoadDirection:
+    """Return the direction of a known axis on a measured surface."""
+    return RoadDirection(axis, surface, vanishing_point_of(axis, surface))
+
+
+def vanishing_point_of(axis: RoadAxis, surface: RoadSurface) -> tuple[float, float]:
+    """Return the vanishing point (u, v) [px] of the road's direction at the vehicle."""
     camera = surface.camera
     u = camera.cx + camera.fx * np.tan(axis.heading) / np.cos(surface.pitch)
-    return VanishingPoint(float(u), float(camera.cy - camera.fy * np.tan(surface.pitch)))
+    return float(u), float(camera.cy - camera.fy * np.tan(surface.pitch))
 
 
 def pitch_and_yaw(
-    point: VanishingPoint, camera: StereoCamera, shape: tuple[int, ...], centred: bool = False
+    point: tuple[float, float], camera: StereoCamera, shape: tuple[int, ...], centred: bool = False
 ) -> tuple[float, float]:
     """Return pitch (down) and yaw (right) [rad] of the road against the camera.
 
@@ -69,27 +126,10 @@ def pitch_and_yaw(
         rows, columns = shape[:2]
         tan_v, tan_u = rows / (2 * camera.fy), columns / (2 * camera.fx)
         pitch, yaw = (
-            np.arctan(tan_v * (1 - 2 * point.v / rows)),
-            np.arctan(tan_u * (2 * point.u / columns - 1)),
+            np.arctan(tan_v * (1 - 2 * point[1] / rows)),
+            np.arctan(tan_u * (2 * point[0] / columns - 1)),
         )
     else:
-        pitch = np.arctan((camera.cy - point.v) / camera.fy)
-        yaw = np.arctan((point.u - camera.cx) * np.cos(pitch) / camera.fx)
+        pitch = np.arctan((camera.cy - point[1]) / camera.fy)
+        yaw = np.arctan((point[0] - camera.cx) * np.cos(pitch) / camera.fx)
     return float(pitch), float(yaw)
-
-
-def _accumulate(
-    edges: RoadEdges, surface: RoadSurface, shape: tuple[int, ...]
-) -> tuple[NDArray[np.float32], float]:
-    """Return the smoothed votes (row cells, column cells) and the image row where they begin."""
-    first = float(edges.v.min()) if len(edges.v) else 0.0
-    size = int((shape[0] - first) // CELL) + 1, int((1 + 2 * MARGIN) * shape[1] // CELL) + 1
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u_vp = edges.u + (edges.v - surface.horizon(edges.v)) * edges.gradient_v / edges.gradient_u
-        column = (u_vp + MARGIN * shape[1]) / CELL
-    inside = (column >= 0) & (column < size[1])
-    row = ((edges.v[inside] - first) // CELL).astype(np.intp)
-    weight = np.hypot(edges.gradient_u, edges.gradient_v)[inside]
-    flat = np.bincount(row * size[1] + column[inside].astype(np.intp), weight, size[0] * size[1])
-    votes = cv2.blur(flat.reshape(size).astype(np.float32), BLUR)
-    return np.asarray(votes, dtype=np.float32), first

@@ -5,15 +5,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.road_surface import NEAR_DEPTH, PIXELS, RoadSurface
-
-Source = Literal["measured", "last", "nominal"]
+from lane_dp_ros.core.types import RoadEstimate, RoadGate
 
 NS_PER_S = 1_000_000_000
 MEMORY_NS = NS_PER_S  # a longer jump of time, or one backwards, and everything is forgotten
@@ -28,15 +25,6 @@ TIME_CONSTANTS = np.array([2.0, 0.2, 2.0, 0.5])
 TOLERANCES = np.array([0.15, 0.04, 0.04, 4e-3])
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class RoadEstimate:
-    """The surface that serves for a frame, where it is from, and why it is not that frame's own."""
-
-    surface: RoadSurface
-    source: Source
-    reason: str = ""
 
 
 def geometry(surface: RoadSurface) -> Floats:
@@ -105,45 +93,55 @@ class RoadFilter:
         self._held: _Road | None = None
         self._rival: _Road | None = None
         self._stamp_ns = 0
-        self._camera: object = None
+        self._nominal: RoadSurface | None = None
 
-    def update(self, measured: RoadSurface | None, nominal: RoadSurface, stamp_ns: int) -> RoadEstimate:
-        """Return what serves for the frame of `stamp_ns`, whose own surface is `measured`, None for none.
+    def predict(self, nominal: RoadSurface, stamp_ns: int) -> RoadGate:
+        """Move on to the frame of `stamp_ns`; return what tells which surface serves for it.
 
         `nominal` is the surface by the camera's nominal height and pitch.
         """
-        self._forget(nominal, stamp_ns)
-        reason = "" if measured is None else self._contradiction(geometry(measured), stamp_ns)
-        if measured is not None and not reason:
-            return RoadEstimate(measured, "measured")
-        if self._held is None:
-            return RoadEstimate(nominal, "nominal", reason)
-        return RoadEstimate(surface_of(nominal, self._held.values), "last", reason)
-
-    def _forget(self, nominal: RoadSurface, stamp_ns: int) -> None:
         jumped = not 0 <= stamp_ns - self._stamp_ns <= MEMORY_NS
-        if jumped or nominal.camera != self._camera:
+        if jumped or self._nominal is None or nominal.camera != self._nominal.camera:
             self._held = self._rival = None
         elif self._held is not None and stamp_ns - self._held.last_ns > HOLD_NS:
             self._held = None
-        self._stamp_ns, self._camera = stamp_ns, nominal.camera
+        self._stamp_ns, self._nominal = stamp_ns, nominal
+        held = None if self._held is None else surface_of(nominal, self._held.values)
 
-    def _contradiction(self, values: Floats, stamp_ns: int) -> str:
-        """Take a measured road in; return how it contradicts the held one, empty where it does not."""
-        reason = self._held.contradiction(values) if self._held is not None else ""
-        if reason and not self._convinced(values, stamp_ns):
-            return reason
-        if reason or self._held is None:
+        def gate(measured: RoadSurface | None) -> RoadEstimate:
+            """Return the measured surface unless it contradicts the held one; else that, or the nominal one."""
+            reason = "" if measured is None else self._contradiction(geometry(measured))
+            if measured is not None and not reason:
+                return RoadEstimate(measured, "measured")
+            if held is None:
+                return RoadEstimate(nominal, "nominal", reason)
+            return RoadEstimate(held, "last", reason)
+
+        return gate
+
+    def update(self, measured: RoadSurface | None) -> None:
+        """Take in what was measured in this frame, None for none."""
+        if measured is None:
+            return
+        values, stamp_ns = geometry(measured), self._stamp_ns
+        if self._contradiction(values):
+            self._take_in_rival(values)
+            return
+        if self._held is None or self._held.contradiction(values):
             self._held = _Road(values, stamp_ns)
         else:
             self._held.take_in(values, stamp_ns)
         self._rival = None
-        return ""
 
-    def _convinced(self, values: Floats, stamp_ns: int) -> bool:
-        """Take in a road that contradicts; return whether such ones have agreed for long enough."""
+    def _contradiction(self, values: Floats) -> str:
+        """Return how a measured road contradicts the held one; empty where it does not or is believed."""
+        reason = self._held.contradiction(values) if self._held is not None else ""
+        if not reason or self._rival is None or self._rival.contradiction(values):
+            return reason
+        return "" if self._stamp_ns - self._rival.first_ns >= CONVINCED_NS else reason
+
+    def _take_in_rival(self, values: Floats) -> None:
         if self._rival is None or self._rival.contradiction(values):
-            self._rival = _Road(values, stamp_ns)
+            self._rival = _Road(values, self._stamp_ns)
         else:
-            self._rival.take_in(values, stamp_ns)
-        return stamp_ns - self._rival.first_ns >= CONVINCED_NS
+            self._rival.take_in(values, self._stamp_ns)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.tracking.association import agreement, match_in_order, strayed
 from lane_dp_ros.core.tracking.frenet_line import FrenetLine, common_axis, first_axis, surface_change
 from lane_dp_ros.core.tracking.motion_filter import Aside, MotionFilter
+from lane_dp_ros.core.types import Lane
 
 COMPARED = 3.0  # m; lines that lie farther apart on the whole are not the same
 SAME_LINE = 0.5  # m; from one frame to the next a line leaves its prediction by less

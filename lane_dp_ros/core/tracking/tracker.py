@@ -5,15 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lane_dp_ros.core.config import TrackingConfig
-from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.lanes.lifting import ego_roles
+from lane_dp_ros.core.parameter import Parameters, parameter
 from lane_dp_ros.core.tracking.frenet_line import FrenetLine
 from lane_dp_ros.core.tracking.track import Detection, Track, TrackManager
+from lane_dp_ros.core.types import Lane, ego_roles
 
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SEEN_OFTEN = 5  # frames; what only looks like a line is mostly seen in fewer
@@ -23,6 +22,16 @@ TOUCHING = 0.2  # m; nearer, lines that were seen side by side have merged
 FARTHEST = 1000.0  # m
 BORDER = 0.25  # m at the border of the view, in which a line and the road on both sides of it find no room
 DOUBT = 1.0  # 1/s; by so much of it a lost line's confidence falls
+
+
+@dataclass(frozen=True)
+class TrackingConfig(Parameters):
+    """Lines over time."""
+
+    enabled: bool = parameter(True, "Smooth lines, bridge short losses, steady the axis; else give ids only.")
+    coast_time: float = parameter(
+        0.5, "How long a lost line is published where it must be by now.", unit="s", limits=(0.0, 0.5)
+    )
 
 
 class LaneTracker:

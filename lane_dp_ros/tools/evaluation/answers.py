@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.pipeline import FrameResult
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.conversions import camera_from_ros, lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError

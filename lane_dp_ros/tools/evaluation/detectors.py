@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.errors import CommandError, one_line
 
 Image8 = NDArray[np.uint8]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame, by_depth
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine, Match, Verdict
 from lane_dp_ros.tools.evaluation.tusimple_culane import culane, tusimple, tusimple_rows

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
 
 Floats = NDArray[np.float64]

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from lane_dp_ros.core.config import PRESETS, TrackingConfig
-from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.core.tracking.tracker import LaneTracker
+from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.core.tracking.tracker import LaneTracker, TrackingConfig
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.detectors import Detector, file_detector, preset_detector

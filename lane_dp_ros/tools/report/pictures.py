@@ -11,9 +11,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.types import BirdsEyeView, LanePath
+from lane_dp_ros.core.lanes.candidate import LanePath
 from lane_dp_ros.messages.conversions import Image8
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes import selection as lane_selection
 

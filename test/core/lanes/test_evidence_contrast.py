@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 
 CENTRE = 1.025  # m
 LIMITS = LaneSelectionConfig()

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import PathSearchConfig, preset
+from lane_dp_ros.core.lanes.path_search import PathSearchConfig
+from lane_dp_ros.core.config import preset
 from lane_dp_ros.core.lanes.path_search import find_paths
-from lane_dp_ros.core.types import PaintMap
+from lane_dp_ros.core.birdseye.paint_map import PaintMap
 
 METRES = (0.5, 0.1)  # per row and column
 PAPER = replace(preset("paper").path_search, suppression=0.5)  # 5 columns

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes import selection as lane_selection
 from lane_dp_ros.core.lanes.selection import is_paint, lateral_gap, select_lanes
-from lane_dp_ros.core.types import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
 
 CONFIG = LaneSelectionConfig()
 GOOD = LaneEvidence(

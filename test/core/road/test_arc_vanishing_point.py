@@ -5,13 +5,14 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import DisparityConfig, VanishingPointConfig
+from lane_dp_ros.core.road.disparity import DisparityConfig
+from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.arc_vanishing_point import road_axis
 from lane_dp_ros.core.road.disparity import dense_disparity
-from lane_dp_ros.core.road.edge_pixels import road_edges
-from lane_dp_ros.core.types import RoadEdges
+from lane_dp_ros.core.road.edge_pixels import edge_pixels
+from lane_dp_ros.core.road.edge_pixels import EdgePixels
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")

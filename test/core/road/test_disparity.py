@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.config import DisparityConfig
+from lane_dp_ros.core.road.disparity import DisparityConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import parameters

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.config import DisparityConfig, RoadProfileConfig
+from lane_dp_ros.core.road.disparity import DisparityConfig
+from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.disparity import dense_disparity
 from lane_dp_ros.core.road.road_profile import fit_road_surface, v_disparity, v_disparity_path

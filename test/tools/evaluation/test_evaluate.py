@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.conversions import lanes_to_ros

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
 from lane_dp_ros.tools.evaluation.scores import Summary
 from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence, summarise

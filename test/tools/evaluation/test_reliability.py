@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.reliability import reliability
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.evaluation.text import as_json, tables

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lane import Lane
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.scenes import CAMERA, SIZE
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 from lane_dp_ros.tools.evaluation.matching import judge

@@ -10,9 +10,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.config import LaneSelectionConfig
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.dp.robust_fit import tukey_fit
-from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap
+from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ TOLERANCE, ROUNDS = 0.2, 5  # m; paint farther from the line is not its own
 
 
 def parallel_lines(
-    lines: Sequence[LaneLine], view: BirdsEyeView, graph: PaintMap, config: LaneSelectionConfig
+    lines: Sequence[LaneLine], paint: PaintProfile, config: LaneSelectionConfig
 ) -> list[LaneLine]:
     """Return faint lines that run parallel to the strongest of `lines` where the own lane lacks a border.
 
@@ -37,13 +38,14 @@ def parallel_lines(
     """
     if not lines:
         return []
+    view = paint.view
     strongest = max(lines, key=lambda line: line.score)
     shape = np.interp(view.s, strongest.s, strongest.n) - strongest.n[0]
     offsets = [float(np.median(line.n - np.interp(line.s, view.s[::-1], shape[::-1]))) for line in lines]
     missing = [side for side in (-1, 1) if not any(0 < side * n < config.lane_width_max for n in offsets)]
     if not missing:
         return []
-    gain = _gain(view, graph, shape)
+    gain = _gain(paint, shape)
     score, first, last = best_stretches(gain[::-1])
     found = []
     for column in np.argsort(-score):
@@ -55,7 +57,7 @@ def parallel_lines(
             config.lane_width_min <= min(gaps) <= config.lane_width_max
         ):
             rows = len(view.s) - 1 - np.arange(first[column], last[column] + 1)
-            found.append(_fitted(view, graph, rows, n + shape[rows], float(score[column])))
+            found.append(_fitted(paint, rows, n + shape[rows], float(score[column])))
             offsets.append(float(n))
             missing = [side for side in missing if side * n < 0]
     return found
@@ -79,27 +81,26 @@ def best_stretches(
     return best, first, last
 
 
-def _gain(view: BirdsEyeView, graph: PaintMap, shape: Floats) -> NDArray[np.float32]:
+def _gain(paint: PaintProfile, shape: Floats) -> NDArray[np.float32]:
     """Return the gain [m] of each row of the line n(s) = n[column] + shape(s), (rows, columns)."""
+    view, paint_map = paint.view, paint.paint_map
     per_row, per_column = view.resolution
     columns = np.arange(len(view.n), dtype=np.float32)
     map_u = (columns[None] + (shape / per_column)[:, None]).astype(np.float32)
     map_v = np.repeat(np.arange(len(view.s), dtype=np.float32)[:, None], len(columns), axis=1)
-    contrast = np.where(graph.seen, np.clip(graph.contrast, -1, CONTRAST_CAP), 0).astype(np.float32)
+    contrast = np.where(paint_map.seen, np.clip(paint_map.contrast, -1, CONTRAST_CAP), 0).astype(np.float32)
     moved = cv2.remap(
         contrast, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=-1
     )
     smooth = cv2.blur(cv2.dilate(moved, np.ones((1, 3), np.uint8)), (1, round(SMOOTHING / per_row)))
-    paint = np.clip((smooth - CONTRAST_MIN) / (CONTRAST_MAX - CONTRAST_MIN), 0, 1)
-    return np.asarray((paint - BLANK_COST) * per_row, dtype=np.float32)
+    painted = np.clip((smooth - CONTRAST_MIN) / (CONTRAST_MAX - CONTRAST_MIN), 0, 1)
+    return np.asarray((painted - BLANK_COST) * per_row, dtype=np.float32)
 
 
-def _fitted(
-    view: BirdsEyeView, graph: PaintMap, rows: NDArray[np.intp], parallel: Floats, score: float
-) -> LaneLine:
+def _fitted(paint: PaintProfile, rows: NDArray[np.intp], parallel: Floats, score: float) -> LaneLine:
     """Return the line n = `parallel` (N,) [m], moved and turned a little onto the centres of its paint."""
-    n, weight = view.paint_centres(graph, rows, view.columns(parallel))
-    s = view.s[rows]
+    n, weight = paint.centres(rows, paint.view.columns(parallel))
+    s = paint.view.s[rows]
     A = np.vander((s - s.mean()) / TEN_METRES, 2, increasing=True)
     b = tukey_fit(A, n - parallel, weight + 1e-6, RIDGE, np.full(ROUNDS, TOLERANCE))
     return LaneLine(rows, s, A @ b + parallel, 0.0, score)

@@ -4,37 +4,64 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.birdseye.paint_profile import runs_of
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, runs_of
+from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
-from lane_dp_ros.core.lanes.variants.extended import DASH_MIN, PAINTED
-from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap
+from lane_dp_ros.core.lanes.variants.extension import DASH_MIN
+from lane_dp_ros.core.parameter import Parameters, parameter
 
-JUNCTION = 9.0  # m without paint behind a stop line; less is a crossing of rails or for pedestrians
 ASIDE = (0.4, 1.4)  # m to one side of the line; a stop line goes on there
 BARE = 0.75  # m; so far before and behind the middle of a stop line the road is bare
-BRIGHT = 0.5  # of what the line itself is brighter than the road
 END = 1.0  # m; no farther from the middle of the stop line the paint ends
 LEVEL = 0.5  # share of its cells; more do not stand above the road
 
 
-def end_at_stop_line(line: LaneLine, view: BirdsEyeView, graph: PaintMap, blank_cost: float) -> LaneLine:
+@dataclass(frozen=True)
+class StopLineConfig(Parameters):
+    """The stop line of a junction, at which lines end."""
+
+    junction: float = parameter(
+        9.0,
+        "Without paint behind a stop line; less is a crossing of rails or for pedestrians.",
+        unit="m",
+        limits=(2.0, 50.0),
+        expert=True,
+    )
+    bright: float = parameter(
+        0.5,
+        "Rise of a stop line over the road, as a share of the line's own.",
+        limits=(0.0, 2.0),
+        expert=True,
+    )
+
+
+def end_at_stop_line(
+    line: LaneLine, paint: PaintProfile, blank_cost: float, config: StopLineConfig
+) -> LaneLine:
     """Return the line as far as the stop line of the first junction that it crosses, if it crosses one.
 
     What is left of it scores its metres of paint, less `blank_cost` a metre.
     """
+    view = paint.view
     per_row = view.resolution[0]
-    painted = view.paint_centres(graph, line.rows, view.columns(line.n))[1] > PAINTED
+    painted = paint.centres(line.rows, view.columns(line.n))[1] > PAINTED
     dashes = runs_of(painted)
     dashes = dashes[np.diff(dashes)[:, 0] * per_row >= DASH_MIN]
-    gaps = [(end, start) for (_, end), (start, _) in pairwise(dashes) if (start - end) * per_row >= JUNCTION]
+    gaps = [
+        (end, start)
+        for (_, end), (start, _) in pairwise(dashes)
+        if (start - end) * per_row >= config.junction
+    ]
     if not gaps:
         return line
-    bars = _bars(line, painted, view)
+    bars = _bars(line, painted, view, config.bright)
     for end, _ in gaps:
         if end >= MIN_ROWS and bars[end - 1 : end + round(END / per_row)].any():
             score = float((painted[:end] - blank_cost).sum() * per_row)
@@ -42,7 +69,7 @@ def end_at_stop_line(line: LaneLine, view: BirdsEyeView, graph: PaintMap, blank_
     return line
 
 
-def _bars(line: LaneLine, painted: NDArray[np.bool_], view: BirdsEyeView) -> NDArray[np.bool_]:
+def _bars(line: LaneLine, painted: NDArray[np.bool_], view: BirdsEyeView, bright: float) -> NDArray[np.bool_]:
     """Return the rows (N,) of a line beside which a bar as bright as the line runs across the road."""
     per_row, per_column = view.resolution
     centre = view.nearest_columns(line.n)
@@ -56,5 +83,5 @@ def _bars(line: LaneLine, painted: NDArray[np.bool_], view: BirdsEyeView) -> NDA
     bare = round(BARE / per_row)
     around = np.pad(beside, [(0, 0), (bare, bare)], constant_values=np.inf)
     rise = beside - np.maximum(around[:, : beside.shape[1]], around[:, 2 * bare :])
-    bars = (own > 0) & (rise > BRIGHT * own) & (view.on_road[rows, columns].mean(axis=2) > LEVEL)
+    bars = (own > 0) & (rise > bright * own) & (view.on_road[rows, columns].mean(axis=2) > LEVEL)
     return np.asarray(bars.any(axis=0))

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The disparity of the left image, held at the resolution at which it was matched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+EPSILON = 1e-9  # cells; keeps a pixel on the border of a cell in it, whatever its product rounds to
+
+
+@dataclass(frozen=True, eq=False)
+class DisparityMap:
+    """The disparity [px] of an image of `shape` (H, W), matched at a lower resolution from row `first` on.
+
+    `matched` (h, w) float32 holds the disparities in pixels of the whole image, NaN where there is no match;
+    a pixel has the disparity of the cell that it lies in. Rows above `first` have none.
+    """
+
+    shape: tuple[int, int]
+    first: int
+    matched: NDArray[np.float32]
+
+    @classmethod
+    def unknown(cls, shape: tuple[int, int]) -> DisparityMap:
+        """Return the map of an image (H, W) nothing of which was matched."""
+        return cls(shape, 0, np.full((1, 1), np.nan, np.float32))
+
+    def at(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float32]:
+        """Return the disparity [px] of pixels (N,), NaN where there is none."""
+        height, width = self.matched.shape
+        scale = height / max(self.shape[0] - self.first, 1), width / self.shape[1]
+        row = ((rows - self.first) * scale[0] + EPSILON).astype(np.intp)
+        found = self.matched[row, (columns * scale[1] + EPSILON).astype(np.intp)]
+        above = rows < self.first
+        if np.any(above):
+            found = np.where(above, np.float32(np.nan), found)
+        return np.asarray(found, dtype=np.float32)
+
+    def nearest(self, u: NDArray[np.float32], v: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the disparity [px] of the pixels nearest to (u, v), arrays of one shape; NaN for none."""
+        return self.at(np.rint(v).astype(np.intp), np.rint(u).astype(np.intp))
+
+    @cached_property
+    def full(self) -> NDArray[np.float32]:
+        """The disparity (H, W) [px] of every pixel, NaN where there is none."""
+        disparity = np.full(self.shape, np.nan, np.float32)
+        size = self.shape[1], self.shape[0] - self.first
+        if size[1] > 0:
+            disparity[self.first :] = cv2.resize(self.matched, size, interpolation=cv2.INTER_NEAREST)
+        return disparity
