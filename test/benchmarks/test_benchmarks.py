@@ -363,7 +363,7 @@ def test_the_frames_are_judged_in_a_mirror_and_at_other_exposures(kitti_data, mo
     ]  # fmt: skip
     numbers = np.array([row.split()[-9:] for row in rows], float)
     markings, incorrect, missed, precision = numbers.T[:4]
-    assert np.all(markings == 69)
+    assert np.all(markings == 81)
     assert np.all(incorrect + missed <= 10)
     assert min(precision) > 0.85 and max(precision) < 1
     assert len(set(missed)) > 1 and len(np.unique(numbers, axis=0)) == 6  # each way is judged by itself

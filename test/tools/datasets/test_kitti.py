@@ -224,5 +224,5 @@ def test_real_sequences(tmp_path: Path, kitti_data: Path, number: str, count: in
 
 def test_real_single_pairs(kitti_data: Path) -> None:
     sequence = read_stereo(kitti_data / "kitti_stereo_2015")
-    assert len(sequence) == 26
+    assert len(sequence) == 52
     assert sequence.P_left[0, 3] == pytest.approx(44.857, abs=1e-3)

@@ -125,6 +125,6 @@ def test_bytes_that_are_no_text(tmp_path):
 
 def test_real_labels(kitti_data, tmp_path):
     frames = load_truth(kitti_data / "labels" / "lanes.json")
-    assert (len(frames), sum(len(frame.ego_ids) for frame in frames)) == (46, 71)
+    assert (len(frames), sum(len(frame.ego_ids) for frame in frames)) == (72, 86)
     save_truth(frames, tmp_path / "saved.json")
-    assert len(load_truth(tmp_path / "saved.json")) == 46
+    assert len(load_truth(tmp_path / "saved.json")) == 72
