@@ -26,11 +26,11 @@ from lane_dp_ros.core.geometry.road_surface import RoadAxis
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import BirdsEyeView, LaneLine, PaintMap, RoadEdges
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.evaluation.text import Column, cell
 from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.progress import progress
 
 CORE = "lane_dp_ros.core"
 SELECTION = f"{CORE}.lane_selection"

@@ -32,8 +32,8 @@ from lane_dp_ros.core.lanes import lifting as lanes_module
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import LaneEvidence, LaneLine
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.reliability import Reliability, reliability
+from lane_dp_ros.tools.progress import progress
 
 Floats = NDArray[np.float64]
 

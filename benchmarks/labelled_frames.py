@@ -34,11 +34,11 @@ from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation import evaluate
 from lane_dp_ros.tools.evaluation.answers import BagAnswers, FrameAnswer, file_answers
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.parallel import available_cpus, parallel_map
+from lane_dp_ros.tools.progress import progress
 
 Image8 = NDArray[np.uint8]
 PAINT_WIDTH = 0.12  # m; a polyline has none

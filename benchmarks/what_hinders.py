@@ -23,9 +23,9 @@ from judged_set import JudgedPair, Judges, kitti_pairs, labelled_pairs
 from thresholds import THRESHOLDS, changed
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.progress import progress
 
 Change = tuple[DetectorConfig, Mapping[str, Any]]
 

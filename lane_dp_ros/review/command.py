@@ -23,8 +23,8 @@ from lane_dp_ros.review.read_drive import find_lanes, find_topics, read_drive
 from lane_dp_ros.review.review import Review
 from lane_dp_ros.review.review_file import ReviewFile, locked
 from lane_dp_ros.review.server import ReviewServer
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.offline import answered, load_config
+from lane_dp_ros.tools.progress import progress
 
 PORT = 8642
 EXPLANATION = """\

@@ -16,7 +16,7 @@ from lane_dp_ros.messages.conversions import lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.stereo_bag import IMAGES
 from lane_dp_ros.review.drive import Drive, Frame, Topics, stamp_of
-from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.tools.progress import progress
 
 MARKERS = "visualization_msgs/msg/MarkerArray"
 

@@ -18,7 +18,8 @@ from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import typestore
 from lane_dp_ros.messages.conversions import image_from_ros, lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import StereoBagWriter, progress
+from lane_dp_ros.tools.datasets.convert import StereoBagWriter
+from lane_dp_ros.tools.progress import progress
 
 FRAMES, RATE, SEED = 30, 10.0, 7  # three seconds of road, at KITTI's rate [Hz]
 STRIP = 4  # frames in a picture

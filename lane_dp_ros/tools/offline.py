@@ -24,9 +24,9 @@ from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
 from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import SIDES, StereoSync
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.parameter_file import read_parameter_file
+from lane_dp_ros.tools.progress import progress
 
 
 def load_config(preset: str, path: Path | None) -> tuple[NodeConfig, DetectorConfig]:

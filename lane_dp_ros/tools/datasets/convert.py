@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +14,8 @@ from numpy.typing import NDArray
 from lane_dp_ros.messages.bag import BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.conversions import image_to_ros
-from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.datasets.kitti import StereoImages, StereoSequence, load_pairs
+from lane_dp_ros.tools.progress import progress
 
 FRAME_ID = "left_camera_optical_frame"  # of both sides, as in image_pipeline: P_right refers to it, too
 JPEG_QUALITY = 95
@@ -50,18 +49,6 @@ def convert(sequence: StereoSequence, writer: BagWriter, jpeg: bool = False) -> 
     stereo = StereoBagWriter(writer, sequence.P_left, sequence.P_right, jpeg)
     for pair in progress(load_pairs(sequence), len(sequence), "pair"):
         stereo.write(pair)
-
-
-def progress(items: Iterable[Any], total: int, unit: str) -> Iterable[Any]:
-    """Yield `items` behind a progress bar; a terminal shows it, a log file gets nothing.
-
-    Raises CommandError when tqdm is not installed.
-    """
-    try:
-        from tqdm import tqdm
-    except ModuleNotFoundError as error:
-        raise CommandError(f"the progress bar needs tqdm ({error}): pip install tqdm") from None
-    return tqdm(items, total=total, unit=unit, disable=None, dynamic_ncols=True)
 
 
 def time_message(stamp_ns: int) -> Any:

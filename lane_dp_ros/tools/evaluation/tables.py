@@ -16,7 +16,6 @@ from lane_dp_ros.core.config import PRESETS, TrackingConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.detectors import Detector, file_detector, preset_detector
 from lane_dp_ros.tools.evaluation.labelled_pairs import (
     SCENES,
@@ -33,6 +32,7 @@ from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import by_sequence
 from lane_dp_ros.tools.evaluation.text import table
 from lane_dp_ros.tools.parallel import parallel_map
+from lane_dp_ros.tools.progress import progress
 
 BASELINE = Path(__file__).parents[2] / "benchmarks" / "global_vanishing_point.py"  # in the source tree only
 EXPLANATION = """\

@@ -14,10 +14,10 @@ from string import Template
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.progress import progress
 from lane_dp_ros.tools.report.cards import card
 from lane_dp_ros.tools.report.failures import failures, worst_first
 from lane_dp_ros.tools.report.plots import plots
