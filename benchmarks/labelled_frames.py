@@ -29,8 +29,9 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import camera_from_ros, stereo_images_from_ros
+from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import stereo_images_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync

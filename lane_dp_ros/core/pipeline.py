@@ -23,12 +23,8 @@ from lane_dp_ros.core.monitoring.calibration_monitor import (
 from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.tracking.tracker import LaneTracker
-from lane_dp_ros.messages.conversions import (
-    Image8,
-    camera_from_ros,
-    left_image_from_ros,
-    stereo_images_from_ros,
-)
+from lane_dp_ros.messages.camera import camera_from_ros
+from lane_dp_ros.messages.image import Image8, left_image_from_ros, stereo_images_from_ros
 from lane_dp_ros.messages.stereo_sync import StereoPair
 
 ROWS_PERIOD_NS = 500_000_000  # between comparisons of the rows of left and right: a calibration does not jump

@@ -12,8 +12,8 @@ from lane_dp_ros.core.config import PRESETS, DetectorConfig
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
-from lane_dp_ros.messages.conversions import lanes_to_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync

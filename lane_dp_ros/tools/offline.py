@@ -18,8 +18,9 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline, detect_pair, one_line
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
-from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import image_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs, is_of_ros
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
 from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs

@@ -10,7 +10,7 @@ import pytest
 
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.messages.bag import BagReader, BagWriter
-from lane_dp_ros.messages.conversions import lanes_from_ros
+from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.review.command import detect_lanes
 from lane_dp_ros.review.drive import Drive
 from lane_dp_ros.review.judgement import Judgement, Line, lines_to_json

@@ -14,8 +14,8 @@ import cv2
 import pytest
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter
-from lane_dp_ros.messages.conversions import lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.ros import demo_session as detector_session
 from lane_dp_ros.tools.demo import FRAMES
 

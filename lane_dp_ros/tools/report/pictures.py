@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import BirdsEyeView, LanePath
-from lane_dp_ros.messages.conversions import Image8
+from lane_dp_ros.messages.image import Image8
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.report.figure import Line, data_uri, figure

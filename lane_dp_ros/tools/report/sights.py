@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.pipeline import detect_pair
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import Image8, image_from_ros
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
@@ -108,10 +108,5 @@ def _drawn_images(
     note = "the bag has no stereo pairs: the picture is its overlay, view from above and cost are missing"
     topics = [topic for topic in reader.topics if topic == DRAWN or topic.endswith(f"/{DRAWN}")]
     for _topic, _time_ns, message in reader.messages(topics) if topics else ():
-        if wanted(stamp_ns := _stamp_ns(message)):
+        if wanted(stamp_ns := stamp_from_ros(message.header.stamp)):
             yield stamp_ns, Sight(image_from_ros(message), note=note)
-
-
-def _stamp_ns(message: Any) -> int:
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
