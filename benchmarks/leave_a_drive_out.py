@@ -28,8 +28,7 @@ from thresholds import THRESHOLDS, changed, shipped
 from varied_pairs import varied
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.evaluation.scores import Summary
-from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.text import COLUMNS_OF_FRAMES, table
 from lane_dp_ros.tools.parallel import available_cpus
 

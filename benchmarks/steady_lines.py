@@ -22,7 +22,7 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.pipeline import LanePipeline
 from lane_dp_ros.tools.evaluation.matching import JITTER_DEPTH
-from lane_dp_ros.tools.evaluation.summary import JITTER_FRAMES, deviations
+from lane_dp_ros.tools.evaluation.stability import JITTER_FRAMES, deviations
 
 DRIVES = ("01", "02")
 

@@ -38,10 +38,12 @@ class CameraInfos:
         self._last[side] = msg
         if is_new and self._in_use is not None and self._changed is None:
             self._changed = _Change(side, stamp_from_ros(msg.header.stamp), now)
-        elif self._changed is not None and side != self._changed.side:
-            self._changed = (
-                self._changed if stamp_from_ros(msg.header.stamp) < self._changed.stamp_ns else None
-            )
+        elif (
+            self._changed is not None
+            and side != self._changed.side
+            and stamp_from_ros(msg.header.stamp) >= self._changed.stamp_ns
+        ):
+            self._changed = None
 
     def both(self, now: float) -> tuple[Any, Any] | None:
         """Return left and right that belong together, None before both have come."""

@@ -17,7 +17,7 @@ from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.core.lanes import selection as lane_selection
 from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
-from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import Summary
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 

@@ -13,7 +13,7 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.core.pipeline import LanePipeline
 from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
-from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import Summary
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 

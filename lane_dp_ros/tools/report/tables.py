@@ -9,8 +9,8 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from lane_dp_ros.tools.evaluation.scores import FrameScore, Summary
-from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
 from lane_dp_ros.tools.evaluation.text import COLUMNS, Column, cell
 from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
 

@@ -14,8 +14,7 @@ import pytest
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
-from lane_dp_ros.tools.evaluation.scores import Summary
-from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence, summarise
+from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence, summarise
 from lane_dp_ros.tools.evaluation.truth_file import Label, LabelledFrame, load_truth
 
 CAMERA = StereoCamera(700.0, 700.0, 600.0, 180.0, 0.54)
