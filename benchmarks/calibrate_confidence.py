@@ -23,8 +23,8 @@ from unittest.mock import patch
 import numpy as np
 import yaml
 from command_line import exit_code, parser_of
-from judged_set import JudgedPair, kitti_pairs, labelled_pairs
 from numpy.typing import NDArray
+from study_runner import JudgedPair, kitti_pairs, labelled_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane

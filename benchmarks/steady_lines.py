@@ -16,7 +16,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from command_line import exit_code, parser_of
-from judged_set import drive_pairs
+from study_runner import drive_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lane import Lane

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from command_line import exit_code, parser_of
-from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs
+from study_runner import UNPAINTED, Judges, kitti_pairs, labelled_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import Value, parameters, replaced

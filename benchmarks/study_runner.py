@@ -52,7 +52,14 @@ CALLERS = lane_detector, lane_search
 # Quick, and full of constants that thresholds.py changes; or they only call functions that remember.
 ALWAYS_RUN = {
     f"{CORE}{module}"
-    for module in ("lane_detector", "lane_search", "lane_selection", "turned_axis", "lanes", "left_alone")
+    for module in (
+        "detector",
+        "lanes.search",
+        "lanes.selection",
+        "lanes.axis_refinement",
+        "lanes.lifting",
+        "lanes.mono_fallback",
+    )
 }
 
 
