@@ -104,7 +104,7 @@ ABLATIONS = (
     Ablation("the paper's dense vanishing point", {"vanishing_point.method": "dense"}),
     Ablation("direction by sum h instead of sum h^3", patches={
         f"{CORE}.road.arc_vanishing_point.SHARPNESS": 1}),
-    Ablation("no second look along an axis turned by the paint", patches={
+    Ablation("no axis refinement by the paint", patches={
         f"{CORE}.detector.turned_axis": nothing}),
     Ablation("one sample for each cell, not the mean over it", patches={
         f"{CORE}.birdseye.birds_eye.SAMPLES": (1, 1)}),
@@ -123,12 +123,12 @@ ABLATIONS = (
     Ablation("robust parabola instead of cubic", patches={f"{CORE}.lanes.line_fit.CUBIC_LENGTH": ANY}),
     Ablation("dashes not followed over gaps", patches={f"{CORE}.lanes.search.extend_line": as_it_is}),
     Ablation("lines not ended at stop lines", patches={f"{CORE}.lanes.search.end_at_stop_line": as_it_is}),
-    Ablation("of lines that lead astray the nearer half is not kept", patches={
+    Ablation("the near half of a refused line is not kept", patches={
         f"{CORE}.lanes.search.near_half": nothing}),
     Ablation("no heights along lines", patches={f"{CORE}.lanes.evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
     Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),
-    Ablation("no wide_band_ratio test", patches={f"{SELECTION}.WIDE_BAND_RATIO_MAX": ANY}),
+    Ablation("no wide-band test", patches={f"{SELECTION}.WIDE_BAND_RATIO_MAX": ANY}),
     Ablation("no contrast test", {"lane_selection.contrast_min": -1.0}),
     Ablation("contrast alone counts, in glare, too", patches={f"{SELECTION}.SATURATION_CONTRAST_MIN": ANY}),
     Ablation("no signs of kerbs", patches={f"{SELECTION}.KERB_CONTRAST": -ANY}),
@@ -141,7 +141,7 @@ ABLATIONS = (
     Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
     Ablation("slope test no laxer in bends", patches={f"{SELECTION}.SLOPE_PER_BEND": 0.0}),
     Ablation("lines may pass beside their paint", patches={f"{SELECTION}.OFF_PAINT_FRACTION_MAX": ANY}),
-    Ablation("no roughness test", {"lane_selection.texture_max": 1.0}),
+    Ablation("no texture test", {"lane_selection.texture_max": 1.0}),
     Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
     Ablation("no mid-lane rule", patches={
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0}),

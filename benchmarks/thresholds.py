@@ -18,7 +18,7 @@ from lane_dp_ros.core.parameter import parameters, replaced
 CORE = "lane_dp_ros.core"
 
 # Round numbers between what is too lax and what is too strict, five for those that decide most. The numbers
-# of the steps that propose lines (line_extension, parallel_lines, turned_axis) are not among them.
+# of the steps that propose lines (extended, parallel, axis_refinement) are not among them.
 THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.score_min": (1.0, 2.0, 3.0, 4.0, 5.0),  # m
     "lane_selection.score_alone": (2.0, 3.0, 4.0, 6.0, 8.0),  # m

@@ -103,8 +103,8 @@ def test_what_is_remembered_changes_no_verdict(pairs):
 def test_what_is_remembered_does_not_hide_a_constant(pairs):
     memory = study_runner.Memory()
     counts = []
-    for wide_band_ratio in (thresholds.shipped("lanes.selection.WIDE_BAND_RATIO_MAX"), -1e9):
-        config, patches = thresholds.changed({"lanes.selection.WIDE_BAND_RATIO_MAX": wide_band_ratio})
+    for ratio in (thresholds.shipped("lanes.selection.WIDE_BAND_RATIO_MAX"), -1e9):
+        config, patches = thresholds.changed({"lanes.selection.WIDE_BAND_RATIO_MAX": ratio})
         with study_runner.patched(patches), memory.in_use():
             counts.append(len(pairs[0].detected(config).lanes))
     assert counts == [3, 0]

@@ -44,12 +44,12 @@ COLUMNS_OF_FRAMES = COLUMNS[: [column.attribute for column in COLUMNS].index("id
 
 
 def tables(results: Sequence[FrameScore]) -> str:
-    """Return the table by sequence, by category where that is another, and the literature's measures."""
+    """Return the table by sequence, by category where that is another, and TuSimple's and CULane's."""
     sequences, categories = by_sequence(results), by_category(results)
     parts = [table("sequence", sequences)]
     if any(result.category for result in results) and categories != sequences:
         parts.append(table("category", categories))
-    return "\n\n".join([*parts, "\n".join([_calibration(results), _literature(sequences["total"])])])
+    return "\n\n".join([*parts, "\n".join([_calibration(results), _tusimple_culane(sequences["total"])])])
 
 
 def table(title: str, summaries: Mapping[str, Summary], columns: Sequence[Column] = COLUMNS) -> str:
@@ -79,7 +79,7 @@ def _calibration(results: Sequence[FrameScore]) -> str:
     return f"right by confidence, from {', '.join(shares)}; expected calibration error {bins.error:.3f}"
 
 
-def _literature(total: Summary) -> str:
+def _tusimple_culane(total: Summary) -> str:
     t, c = total.tusimple, total.culane
     if not t.frames:
         return f"{total.frames} frames"

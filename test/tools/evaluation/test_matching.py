@@ -227,11 +227,11 @@ def numbers(summary):
         "duplicates", "localisation_error", "near_error", "far_error", "id_switches", "jitter",
         "label_jitter", "paper_precision", "lane_recall", "detection_precision",
     ]  # fmt: skip
-    literature = {
+    in_image = {
         "tusimple_accuracy": summary.tusimple.accuracy, "tusimple_fp": summary.tusimple.fp,
         "tusimple_fn": summary.tusimple.fn, "culane_f1": summary.culane.f1,
     }  # fmt: skip
-    return {**{name: getattr(summary, name) for name in names}, **literature}
+    return {**{name: getattr(summary, name) for name in names}, **in_image}
 
 
 def test_perfect_detections_score_one_everywhere():
