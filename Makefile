@@ -68,7 +68,7 @@ lint: .venv-lint/$(made)
 	@.venv-lint/bin/python -I -m ruff check .
 	@.venv-lint/bin/python -I -m ruff format --check .
 	@.venv-lint/bin/python -I -m mypy
-	@.venv-lint/bin/python -I .venv-lint/bin/lint-imports --no-cache --no-logo
+	@.venv-lint/bin/python -I .venv-lint/bin/lint-imports --no-cache
 
 bench: $(main)/bench-$(python_version)
 	@mkdir -p bench
