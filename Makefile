@@ -3,7 +3,7 @@
 #
 #   make demo    render a road, play it into a running lane_detector, write pictures to demo/
 #   make test    run the tests: with the newest numpy and OpenCV, and with those of Jazzy
-#   make lint    ruff and mypy
+#   make lint    ruff, mypy, and the directions of imports
 #   make bench   measure the speed, write tables and pictures to bench/
 #   make clean   remove all that the above made, the venvs too
 #
@@ -68,6 +68,7 @@ lint: .venv-lint/$(made)
 	@.venv-lint/bin/python -I -m ruff check .
 	@.venv-lint/bin/python -I -m ruff format --check .
 	@.venv-lint/bin/python -I -m mypy
+	@.venv-lint/bin/python -I .venv-lint/bin/lint-imports --no-cache
 
 bench: $(main)/bench-$(python_version)
 	@mkdir -p bench

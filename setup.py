@@ -33,7 +33,7 @@ setup(
         "ros": [OPENCV, "pyyaml", "ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
         "test": ["hypothesis", "pytest", "pytest-cov", "pyyaml", "rosbags-image", "scipy", "selenium"],
         "bench": ["matplotlib", "scikit-image", "scipy"],
-        "lint": ["mypy==2.4.1", "ruff==0.17.6"],
+        "lint": ["import-linter==2.11", "mypy==2.4.1", "ruff==0.17.6"],
     },
     entry_points={
         "console_scripts": [

@@ -18,26 +18,24 @@ from typing import Any
 
 import numpy as np
 from command_line import KNOWN_ERRORS, exit_code, parser_of
-from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
+from study_runner import UNPAINTED, Judges, kitti_pairs, labelled_pairs, patched
 
-from lane_dp_ros.core.birdseye.paint_map import build_paint_map
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.birdseye.paint_map import PaintMap, PaintMapConfig, build_paint_map
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.birdseye.paint_map import PaintMapConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
-from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.birdseye.paint_map import PaintMap
-from lane_dp_ros.core.road.edge_pixels import EdgePixels
 from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.evaluation.text import Column, cell
 from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.progress import progress
 
 CORE = "lane_dp_ros.core"
-SELECTION = f"{CORE}.lane_selection"
+SELECTION = f"{CORE}.lanes.selection"
 ANY = 1e9  # a limit that nothing exceeds
 TEXTURE = 5.0  # grey levels: that of ordinary asphalt
 
@@ -99,39 +97,40 @@ ABLATIONS = (
     Ablation("none"),
     Ablation("disparity at full resolution", {"disparity.downscale": 1}),
     Ablation("bushes and walls count in the v-disparity, too", patches={
-        f"{CORE}.road_profile.STANDING": ANY}),
+        f"{CORE}.road.road_profile.STANDING": ANY}),
     Ablation("road without cross slope", {"road_profile.roll": False}),
     Ablation("road profile of each pair by itself", patches={
         "lane_dp_ros.core.pipeline.LanePipeline._on_road": unfiltered}),
     Ablation("no straightening: road straight ahead", patches={
-        f"{CORE}.lane_detector.road_axis": straight_ahead}),
+        f"{CORE}.detector.road_axis": straight_ahead}),
     Ablation("the paper's dense vanishing point", {"vanishing_point.method": "dense"}),
-    Ablation("direction by sum h instead of sum h^3", patches={f"{CORE}.road_direction.SHARPNESS": 1}),
-    Ablation("no second look along an axis turned by the paint", patches={
-        f"{CORE}.lane_detector.turned_axis": nothing}),
+    Ablation("direction by sum h instead of sum h^3", patches={
+        f"{CORE}.road.arc_vanishing_point.SHARPNESS": 1}),
+    Ablation("no axis refinement by the paint", patches={
+        f"{CORE}.detector.turned_axis": nothing}),
     Ablation("one sample for each cell, not the mean over it", patches={
-        f"{CORE}.birds_eye.SAMPLES": (1, 1)}),
+        f"{CORE}.birdseye.birds_eye.SAMPLES": (1, 1)}),
     Ablation("paint looked for in the left image alone", patches={
-        f"{CORE}.lane_search.build_paint_map": graph_of_left}),
+        f"{CORE}.lanes.search.build_paint_map": graph_of_left}),
     Ablation("no height mask", {"birds_eye.height_tolerance": 1.0}),
     Ablation("the paper's feature: edges and grey", {"paint_map.feature": "edges_and_grey"}),
-    Ablation("no texture normalisation", patches={f"{CORE}.paint_map.road_texture": even_texture}),
-    Ablation("one paint width (0.15 m)", patches={f"{CORE}.paint_map.PAINT_WIDTHS": (0.15,)}),
+    Ablation("no texture normalisation", patches={f"{CORE}.birdseye.paint_map.road_texture": even_texture}),
+    Ablation("one paint width (0.15 m)", patches={f"{CORE}.birdseye.paint_map.PAINT_WIDTHS": (0.15,)}),
     Ablation("the paper's Algorithm 2, bottom to top", {"path_search.free_ends": False}),
-    Ablation("no memory of slope: bends cost nothing", patches={f"{CORE}.path_search.BEND_COST": 0.0}),
-    Ablation("slope costs nothing", patches={f"{CORE}.path_search.SLOPE_COST": 0.0}),
-    Ablation("one pass of the path search", patches={f"{CORE}.path_search.FREE_PASSES": 1}),
+    Ablation("no memory of slope: bends cost nothing", patches={f"{CORE}.lanes.path_search.BEND_COST": 0.0}),
+    Ablation("slope costs nothing", patches={f"{CORE}.lanes.path_search.SLOPE_COST": 0.0}),
+    Ablation("one pass of the path search", patches={f"{CORE}.lanes.path_search.FREE_PASSES": 1}),
     Ablation("suppression of +-1 m", {"path_search.suppression": 1.0}),
     Ablation("the paper's parabola by RANSAC", {"lane_model.model": "parabola"}),
-    Ablation("robust parabola instead of cubic", patches={f"{CORE}.lane_model.CUBIC_LENGTH": ANY}),
-    Ablation("dashes not followed over gaps", patches={f"{CORE}.lane_search.extend_line": as_it_is}),
-    Ablation("lines not ended at stop lines", patches={f"{CORE}.lane_search.end_at_stop_line": as_it_is}),
-    Ablation("of lines that lead astray the nearer half is not kept", patches={
-        f"{CORE}.lane_search.near_half": nothing}),
-    Ablation("no heights along lines", patches={f"{CORE}.lane_evidence.line_heights": no_heights}),
+    Ablation("robust parabola instead of cubic", patches={f"{CORE}.lanes.line_fit.CUBIC_LENGTH": ANY}),
+    Ablation("dashes not followed over gaps", patches={f"{CORE}.lanes.search.extend_line": as_it_is}),
+    Ablation("lines not ended at stop lines", patches={f"{CORE}.lanes.search.end_at_stop_line": as_it_is}),
+    Ablation("the near half of a refused line is not kept", patches={
+        f"{CORE}.lanes.search.near_half": nothing}),
+    Ablation("no heights along lines", patches={f"{CORE}.lanes.evidence.line_heights": no_heights}),
     Ablation("no height test", {"lane_selection.height_max": 1.0}),
     Ablation("no test of the greatest width", {"lane_selection.paint_width_max": 1.0}),
-    Ablation("no wide_band_ratio test", patches={f"{SELECTION}.WIDE_BAND_RATIO_MAX": ANY}),
+    Ablation("no wide-band test", patches={f"{SELECTION}.WIDE_BAND_RATIO_MAX": ANY}),
     Ablation("no contrast test", {"lane_selection.contrast_min": -1.0}),
     Ablation("contrast alone counts, in glare, too", patches={f"{SELECTION}.SATURATION_CONTRAST_MIN": ANY}),
     Ablation("no signs of kerbs", patches={f"{SELECTION}.KERB_CONTRAST": -ANY}),
@@ -144,7 +143,7 @@ ABLATIONS = (
     Ablation("no slope test", {"lane_selection.slope_max": 1.0}),
     Ablation("slope test no laxer in bends", patches={f"{SELECTION}.SLOPE_PER_BEND": 0.0}),
     Ablation("lines may pass beside their paint", patches={f"{SELECTION}.OFF_PAINT_FRACTION_MAX": ANY}),
-    Ablation("no roughness test", {"lane_selection.texture_max": 1.0}),
+    Ablation("no texture test", {"lane_selection.texture_max": 1.0}),
     Ablation("no test of the beginning", {"lane_selection.start_max": 100.0}),
     Ablation("no mid-lane rule", patches={
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0}),
@@ -155,11 +154,11 @@ ABLATIONS = (
     Ablation("no tests at all, only 4 m of paint", {
         "lane_selection.score_min": 4.0, "lane_selection.score_alone": 4.0,
     }, {
-        f"{CORE}.lane_search.is_paint": yes, f"{CORE}.lane_search.parallel_lines": no_lines,
+        f"{CORE}.lanes.search.is_paint": yes, f"{CORE}.lanes.search.parallel_lines": no_lines,
         f"{SELECTION}.STRONG": 0.0, f"{SELECTION}.LONG_PIECE": 0.0,
         f"{SELECTION}.UNKNOWN_HEIGHT": 0.0,
     }),
-    Ablation("no second look for parallel lines", patches={f"{CORE}.lane_search.parallel_lines": no_lines}),
+    Ablation("no second look for parallel lines", patches={f"{CORE}.lanes.search.parallel_lines": no_lines}),
     Ablation("no tracker", {"tracking.enabled": False}),
     Ablation("short losses not bridged", {"tracking.coast_time": 0.0}),
 )  # fmt: skip

@@ -23,17 +23,17 @@ from unittest.mock import patch
 import numpy as np
 import yaml
 from command_line import exit_code, parser_of
-from judged_set import JudgedPair, kitti_pairs, labelled_pairs
 from numpy.typing import NDArray
+from study_runner import JudgedPair, kitti_pairs, labelled_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.lanes import lifting as lanes_module
-from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.reliability import Reliability, reliability
+from lane_dp_ros.tools.progress import progress
 
 Floats = NDArray[np.float64]
 

@@ -27,12 +27,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.road.disparity import DisparityConfig
-from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.disparity import dense_disparity
-from lane_dp_ros.core.road.road_profile import fit_road_surface
+from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
+from lane_dp_ros.core.road.road_profile import RoadProfileConfig, fit_road_surface
 
 Floats = NDArray[Any]
 Image = NDArray[np.uint8]

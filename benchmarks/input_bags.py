@@ -13,11 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from numpy.typing import NDArray
-from versions import fingerprint
-
 from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.tools import cli, scenes
 from lane_dp_ros.tools.answers import read_picture
 from lane_dp_ros.tools.bag import BagWriter
 from lane_dp_ros.tools.convert import StereoBagWriter, progress
@@ -25,6 +21,10 @@ from lane_dp_ros.tools.errors import CommandError
 from lane_dp_ros.tools.kitti import PAIR_SPACING, StereoImages, read_odometry
 from lane_dp_ros.tools.labels import LabelledFrame
 from lane_dp_ros.tools.truth import load_truth
+from numpy.typing import NDArray
+from versions import fingerprint
+
+from lane_dp_ros.tools import cli, scenes
 
 Floats = NDArray[np.float64]
 

@@ -24,28 +24,29 @@ import numpy as np
 from command_line import exit_code
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.tracking.tracker import TrackingConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.tracking.tracker import LaneTracker, TrackingConfig
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import camera_from_ros, stereo_images_from_ros
+from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import stereo_images_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync
-from lane_dp_ros.tools.datasets.convert import progress
-from lane_dp_ros.tools.evaluation import evaluate
+from lane_dp_ros.tools.cli.evaluate import add_arguments, evaluate
 from lane_dp_ros.tools.evaluation.answers import BagAnswers, FrameAnswer, file_answers
+from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.parallel import available_cpus, parallel_map
+from lane_dp_ros.tools.progress import progress
 
 Image8 = NDArray[np.uint8]
 PAINT_WIDTH = 0.12  # m; a polyline has none
 
 
 @dataclass(frozen=True)
-class FunctionChoice(evaluate.DetectorChoice):
+class FunctionChoice(DetectorChoice):
     """Detects by the function `lanes` of a Python file."""
 
     file: Path = Path()
@@ -115,7 +116,7 @@ def main() -> int:
     """Judge and print; 1 for a known error, in one line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", type=Path, metavar="FILE.py")
-    evaluate.add_arguments(parser)
+    add_arguments(parser)
     parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
     return exit_code(run, parser.parse_args())
 
@@ -123,7 +124,7 @@ def main() -> int:
 def run(arguments: argparse.Namespace) -> None:
     """Judge what the file's function finds; the file is read first, to say at once what it lacks."""
     function_of(arguments.file)
-    evaluate.run(arguments, FunctionChoice(jobs=arguments.jobs, file=arguments.file))
+    evaluate(arguments, FunctionChoice(jobs=arguments.jobs, file=arguments.file))
 
 
 if __name__ == "__main__":

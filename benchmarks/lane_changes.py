@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+from lane_dp_ros.tools.labels import by_depth
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.lane import Lane
-from lane_dp_ros.tools.labels import by_depth
+from lane_dp_ros.core.types import Lane
 
 Floats = NDArray[np.float64]
 Kind = Literal["appears", "vanishes", "moves", "confidence", "no answer"]

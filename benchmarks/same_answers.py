@@ -26,16 +26,16 @@ from pathlib import Path
 from command_line import exit_code
 from input_bags import LABELLED, SUITE, UNPAINTED, InputBag, input_bags
 from lane_changes import KINDS, Change, changes
-from versions import HERE, version
-
-from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.tools.answers import FrameAnswer
 from lane_dp_ros.tools.convert import progress
 from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.evaluation import FrameResult, Summary
 from lane_dp_ros.tools.evaluation_text import Column, table
 from lane_dp_ros.tools.judging import judge, judge_unpainted
 from lane_dp_ros.tools.summary import summarise
+from versions import HERE, version
+
+from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation import FrameResult, Summary
 
 PRESETS = ("default", "paper")
 SIDES = ("old", "new")

@@ -16,13 +16,13 @@ from collections.abc import Iterable
 
 import numpy as np
 from command_line import exit_code, parser_of
-from judged_set import drive_pairs
+from study_runner import drive_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.pipeline import LanePipeline
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.matching import JITTER_DEPTH
-from lane_dp_ros.tools.evaluation.summary import JITTER_FRAMES, deviations
+from lane_dp_ros.tools.evaluation.stability import JITTER_FRAMES, deviations
 
 DRIVES = ("01", "02")
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The thresholds that were chosen by looking at labelled frames, with what is physically plausible for each.
 
-A name as of "lane_selection.score_min" is a parameter, one as of "lane_selection.KERB_STEP" a constant of
+A name as of "lane_selection.score_min" is a parameter, one as of "lanes.selection.KERB_STEP" a constant of
 the module lane_dp_ros.core.lanes.selection.
 """
 
@@ -18,38 +18,38 @@ from lane_dp_ros.core.parameter import parameters, replaced
 CORE = "lane_dp_ros.core"
 
 # Round numbers between what is too lax and what is too strict, five for those that decide most. The numbers
-# of the steps that propose lines (line_extension, parallel_lines, turned_axis) are not among them.
+# of the steps that propose lines (extended, parallel, axis_refinement) are not among them.
 THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.score_min": (1.0, 2.0, 3.0, 4.0, 5.0),  # m
     "lane_selection.score_alone": (2.0, 3.0, 4.0, 6.0, 8.0),  # m
-    "lane_selection.UNKNOWN_HEIGHT": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
+    "lanes.selection.UNKNOWN_HEIGHT": (2.0, 4.0, 6.0, 8.0, 10.0),  # m
     "lane_selection.start_max": (14.0, 20.0, 26.0),  # m
     "lane_selection.contrast_min": (-0.05, 0.0, 0.05, 0.10, 0.15),
-    "lane_selection.SATURATION_CONTRAST_MIN": (0.05, 0.15, 0.25),
+    "lanes.selection.SATURATION_CONTRAST_MIN": (0.05, 0.15, 0.25),
     "lane_selection.height_max": (0.03, 0.05, 0.08, 0.11, 0.14),  # m
-    "lane_selection.OFF_PAINT_FRACTION_MAX": (0.05, 0.10, 0.15),
-    "lane_selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
-    "lane_selection.KERB_SATURATION_CONTRAST": (0.2, 0.3, 0.4),
-    "lane_selection.KERB_STEP": (0.06, 0.10, 0.14),  # m
-    "lane_selection.RAIL_WIDTH": (0.09, 0.11, 0.13),  # m
-    "lane_selection.KERB_WIDTH": (0.25, 0.30, 0.35),  # m
-    "lane_selection.KERB_HEIGHT": (0.02, 0.04, 0.06),  # m
-    "lane_selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),
-    "lane_selection.UNBROKEN": (4.0, 6.0, 8.0),  # m
+    "lanes.selection.OFF_PAINT_FRACTION_MAX": (0.05, 0.10, 0.15),
+    "lanes.selection.KERB_CONTRAST": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "lanes.selection.KERB_SATURATION_CONTRAST": (0.2, 0.3, 0.4),
+    "lanes.selection.KERB_STEP": (0.06, 0.10, 0.14),  # m
+    "lanes.selection.RAIL_WIDTH": (0.09, 0.11, 0.13),  # m
+    "lanes.selection.KERB_WIDTH": (0.25, 0.30, 0.35),  # m
+    "lanes.selection.KERB_HEIGHT": (0.02, 0.04, 0.06),  # m
+    "lanes.selection.KERB_BRIGHTNESS": (-0.25, -0.10, 0.05),
+    "lanes.selection.UNBROKEN": (4.0, 6.0, 8.0),  # m
     "lane_selection.paint_width_max": (0.26, 0.32, 0.38),  # m
-    "lane_selection.WIDE_BAND_RATIO_MAX": (0.7, 0.85, 1.0, 1.15, 1.3),
+    "lanes.selection.WIDE_BAND_RATIO_MAX": (0.7, 0.85, 1.0, 1.15, 1.3),
     "lane_selection.texture_max": (0.10, 0.15, 0.20, 0.25, 0.30),
     "lane_selection.slope_max": (0.06, 0.10, 0.15, 0.20, 0.30),
-    "lane_selection.SLOPE_PER_BEND": (0.0, 5.0, 10.0),  # m
-    "lane_selection.SAME": (0.10, 0.20, 0.30),  # m
-    "lane_selection.BESIDE": (0.5, 0.75, 1.0),  # m
-    "lane_selection.STRONG": (4.0, 7.0, 10.0),  # m
-    "lane_selection.LONG_PIECE": (6.0, 9.0, 12.0),  # m
-    "lane_selection.DASHES": (2, 3, 4),
+    "lanes.selection.SLOPE_PER_BEND": (0.0, 5.0, 10.0),  # m
+    "lanes.selection.SAME": (0.10, 0.20, 0.30),  # m
+    "lanes.selection.BESIDE": (0.5, 0.75, 1.0),  # m
+    "lanes.selection.STRONG": (4.0, 7.0, 10.0),  # m
+    "lanes.selection.LONG_PIECE": (6.0, 9.0, 12.0),  # m
+    "lanes.selection.DASHES": (2, 3, 4),
     "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
     "lane_selection.lane_width_max": (3.75, 4.25, 4.75),  # m
-    "line_heights.DISTINCT": (0.1, 0.2, 0.3, 0.4, 0.5),
-    "stop_lines.JUNCTION": (6.0, 9.0, 12.0),  # m
+    "lanes.plane_sweep.DISTINCT": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "lanes.variants.cut.JUNCTION": (6.0, 9.0, 12.0),  # m
     "path_search.min_score": (1.0, 1.5, 2.0, 2.5, 3.0),  # m
     "path_search.blank_cost": (0.10, 0.15, 0.20, 0.25, 0.30),
     "paint_map.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),

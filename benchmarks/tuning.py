@@ -17,16 +17,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from command_line import exit_code, parser_of
-from judged_set import UNPAINTED, Judges, kitti_pairs, labelled_pairs
+from study_runner import UNPAINTED, Judges, kitti_pairs, labelled_pairs
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import Value, parameters, replaced
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
-from lane_dp_ros.tools.evaluation.scores import FrameScore, Summary
-from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.text import Column, cell
 from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.progress import progress
 
 TRIED: dict[str, tuple[Value, ...]] = {
     "disparity.disparity_range": (64, 256),

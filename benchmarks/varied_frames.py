@@ -13,7 +13,7 @@ import argparse
 import sys
 
 from command_line import exit_code, parser_of
-from judged_set import Judges, labelled_pairs
+from study_runner import Judges, labelled_pairs
 from varied_pairs import GAMMAS, exposed, mirrored
 
 from lane_dp_ros.core.config import DetectorConfig

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from judged_set import Image, JudgedPair
 from numpy.typing import NDArray
+from study_runner import Image, JudgedPair
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame

@@ -22,7 +22,6 @@ from tempfile import TemporaryDirectory
 
 import cv2
 import numpy as np
-
 from lane_dp_ros.tools.answers import FrameAnswer, lanes_topic, recorded_answers
 from lane_dp_ros.tools.bag import BagReader, BagWriter
 from lane_dp_ros.tools.errors import CommandError

@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.messages.bag import BagWriter
+from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
 from lane_dp_ros.scenes import CAMERA, ScenePair, render_sequence
-from lane_dp_ros.tools.datasets.convert import StereoBagWriter
-from lane_dp_ros.tools.datasets.kitti import StereoImages
 
 FLAGS = (
     "--headless",

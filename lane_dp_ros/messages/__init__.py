@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS messages to arrays and back; nothing here imports ROS."""
+"""Shared by node and tools: ROS messages to arrays and back, bags, pictures. Nothing here imports ROS."""

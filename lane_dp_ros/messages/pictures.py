@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.messages.conversions import COLOURS
+from lane_dp_ros.messages.lanes import COLOURS
 
 Image8 = NDArray[np.uint8]
 Floats = NDArray[np.float64]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The stereo pairs of a bag, with their camera infos."""
+"""The stereo pairs of a bag, with their camera infos: read, and written on the topics of the node."""
 
 from __future__ import annotations
 
@@ -8,11 +8,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from lane_dp_ros.messages.bag import BagReader
+import numpy as np
+from numpy.typing import NDArray
+
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.messages.bag_message import bag_message
+from lane_dp_ros.messages.camera import camera_info_to_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import compressed_image_to_ros, image_to_ros
+from lane_dp_ros.messages.stamp import stamp_from_ros, stamp_to_ros
 from lane_dp_ros.messages.stereo_sync import SIDES, Side, StereoPair, StereoSync
 
 IMAGES = {"image_rect": "sensor_msgs/msg/Image", "image_rect/compressed": "sensor_msgs/msg/CompressedImage"}
+FRAME_ID = "left_camera_optical_frame"  # of both sides, as in image_pipeline: P_right refers to it, too
 CAPACITY = 50  # images that wait for a partner: one side may be recorded a few seconds after the other
 
 
@@ -71,10 +79,38 @@ def read_stereo_pairs(reader: BagReader, topics: StereoTopics, sync: StereoSync)
     for topic, time_ns, message in reader.messages([*image_sides, *info_sides]):
         if topic in info_sides:
             infos[info_sides[topic]] = message
-        elif pair := sync.add(image_sides[topic], _stamp_ns(message), message):
+        elif pair := sync.add(image_sides[topic], stamp_from_ros(message.header.stamp), message):
             yield BagPair(pair, (infos["left"], infos["right"]), time_ns)
 
 
-def _stamp_ns(message: Any) -> int:
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+class StereoImages(NamedTuple):
+    """One pair, uint8, (H, W) gray or (H, W, 3) BGR, with the left image's stamp."""
+
+    stamp_ns: int
+    left: NDArray[np.uint8]
+    right: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class StereoBagWriter:
+    """Writes pairs and their camera infos; as JPEG on the compressed topics if `jpeg`."""
+
+    writer: BagWriter
+    P_left: NDArray[np.float64]
+    P_right: NDArray[np.float64]
+    jpeg: bool = False
+
+    def write(self, pair: StereoImages) -> None:
+        """Write one pair: camera infos first, so that the first pair can be used."""
+        stamp = stamp_to_ros(pair.stamp_ns, bag_message)
+        header = bag_message("std_msgs/msg/Header", stamp=stamp, frame_id=FRAME_ID)
+        for side, P in (("left", self.P_left), ("right", self.P_right)):
+            info = camera_info_to_ros(P, pair.left.shape, header, bag_message)
+            self.writer.write(f"/{side}/camera_info", pair.stamp_ns, info)
+        for side, image in (("left", pair.left), ("right", pair.right)):
+            topic = f"/{side}/image_rect"
+            if self.jpeg:
+                message = compressed_image_to_ros(image, header, bag_message)
+                self.writer.write(f"{topic}/compressed", pair.stamp_ns, message)
+            else:
+                self.writer.write(topic, pair.stamp_ns, image_to_ros(image, header, bag_message))

@@ -13,8 +13,9 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
 from lane_dp_ros.core.types import Image, StereoFrame
-from lane_dp_ros.messages.conversions import camera_from_ros, left_image_from_ros, stereo_images_from_ros
+from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import one_line
+from lane_dp_ros.messages.image import left_image_from_ros, stereo_images_from_ros
 from lane_dp_ros.messages.stereo_sync import StereoPair
 
 

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from typing import Any, Literal, NamedTuple
 
+from lane_dp_ros.messages.stamp import NS_PER_S
+
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
-NS_PER_S = 1_000_000_000
 
 
 class StereoPair(NamedTuple):

@@ -14,13 +14,10 @@ import numpy as np
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import (
-    Image8,
-    camera_from_ros,
-    compressed_image_from_ros,
-    image_from_ros,
-)
+from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import Image8, compressed_image_from_ros, image_from_ros
+from lane_dp_ros.messages.stamp import stamp_from_ros
 
 PARTNER_WINDOW = 2_000_000_000  # ns of recording around a left image in which its right one is looked for
 
@@ -106,7 +103,9 @@ class Drive:
         """Return the message of a frame's left image."""
         with BagReader(self.bag) as reader:  # each time anew: SQLite serves one thread only
             found = reader.messages_between(self.topics.left, frame.time_ns, frame.time_ns + 1)
-            message = next((each for each in found if stamp_of(each) == frame.stamp_ns), None)
+            message = next(
+                (each for each in found if stamp_from_ros(each.header.stamp) == frame.stamp_ns), None
+            )
         if message is None:
             raise CommandError(f"{self.bag} has changed: the left image of frame {frame.index} is gone")
         return message
@@ -116,7 +115,9 @@ class Drive:
         start, end = frame.time_ns - PARTNER_WINDOW, frame.time_ns + PARTNER_WINDOW
         with BagReader(self.bag) as reader:
             found = reader.messages_between(self.topics.right, start, end)
-            near = [(abs(stamp_of(message) - frame.stamp_ns), message) for message in found]
+            near = [
+                (abs(stamp_from_ros(message.header.stamp) - frame.stamp_ns), message) for message in found
+            ]
         distance, message = min(near, key=lambda pair: pair[0], default=(tolerance_ns + 1, None))
         return message if distance <= tolerance_ns else None
 
@@ -124,9 +125,3 @@ class Drive:
         """Return the left image, gray or BGR. Raises ValueError when it cannot be read."""
         message = self.left_message(frame)
         return compressed_image_from_ros(message) if hasattr(message, "format") else image_from_ros(message)
-
-
-def stamp_of(message: Any) -> int:
-    """Return the stamp [ns] of a message with a header."""
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)

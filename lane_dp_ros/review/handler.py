@@ -6,16 +6,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.review.open_requests import OpenRequests, RefusedError
 from lane_dp_ros.review.review import Review
-
-if TYPE_CHECKING:
-    from lane_dp_ros.review.server import ReviewServer
 
 ADDRESS = "127.0.0.1"
 LARGEST_REQUEST = 1_000_000  # bytes
@@ -41,12 +40,13 @@ JSON = "application/json"
 GONE = (ConnectionError, TimeoutError)  # what a page that was closed leaves behind
 
 
-class RefusedError(Exception):
-    """A request that is answered with an error."""
+@dataclass
+class Site:
+    """What the page stands on: its port, the review once there is one, the requests at work."""
 
-    def __init__(self, status: HTTPStatus, reason: str) -> None:
-        super().__init__(reason)
-        self.status = status
+    port: int = 0
+    review: Review | None = None
+    requests: OpenRequests = field(default_factory=OpenRequests)
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -54,7 +54,10 @@ class Handler(BaseHTTPRequestHandler):
 
     protocol_version = "HTTP/1.1"
     timeout = 60  # s; a browser opens connections that it never uses
-    server: ReviewServer
+
+    def __init__(self, site: Site, *arguments: Any) -> None:
+        self.site = site
+        super().__init__(*arguments)  # answers, too
 
     def do_GET(self) -> None:
         """Answer with a file of the page, a picture, or JSON."""
@@ -69,9 +72,9 @@ class Handler(BaseHTTPRequestHandler):
 
     def _answer(self, respond: Callable[[Review], tuple[bytes, str]]) -> None:
         try:
-            with self.server.requests.one_more():
+            with self.site.requests.one_more():
                 self._check_origin()
-                content, kind = respond(self.server.review)
+                content, kind = respond(self._review())
                 self._send(HTTPStatus.OK, content, kind)
         except RefusedError as error:
             self._send_error(error.status, error)
@@ -84,9 +87,14 @@ class Handler(BaseHTTPRequestHandler):
         except OSError as error:
             self._send_error(HTTPStatus.INTERNAL_SERVER_ERROR, error)
 
+    def _review(self) -> Review:
+        if self.site.review is None:
+            raise RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, "the review has not begun")
+        return self.site.review
+
     def _check_origin(self) -> None:
         """Refuse what does not come from our own page: another site's name that leads here, another site."""
-        hosts = [f"{name}:{self.server.server_port}" for name in (ADDRESS, "localhost")]
+        hosts = [f"{name}:{self.site.port}" for name in (ADDRESS, "localhost")]
         if self.headers.get("Host") not in hosts:
             raise RefusedError(HTTPStatus.FORBIDDEN, f"this is http://{hosts[0]}/ only")
         if self.headers.get("Origin", f"http://{hosts[0]}") not in [f"http://{host}" for host in hosts]:

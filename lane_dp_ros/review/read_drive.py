@@ -12,11 +12,12 @@ import numpy as np
 
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.lanes import lanes_from_ros
+from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import IMAGES
-from lane_dp_ros.review.drive import Drive, Frame, Topics, stamp_of
-from lane_dp_ros.tools.datasets.convert import progress
+from lane_dp_ros.review.drive import Drive, Frame, Topics
+from lane_dp_ros.tools.progress import progress
 
 MARKERS = "visualization_msgs/msg/MarkerArray"
 
@@ -67,7 +68,7 @@ def read_drive(bag: Path, lanes_bag: Path) -> Drive:
 def _read_lanes(reader: BagReader, topic: str) -> Iterator[tuple[int, tuple[Lane, ...]]]:
     for _, _, array in reader.messages([topic]):
         if array.markers:  # without any there is no stamp
-            stamp = stamp_of(array.markers[0])
+            stamp = stamp_from_ros(array.markers[0].header.stamp)
             points = [(p.x, p.y, p.z) for marker in array.markers for p in marker.points]
             if not np.all(np.isfinite(points)):
                 raise CommandError(f"{reader.path}: the lanes of stamp {stamp} ns hold NaN or infinity")
@@ -84,7 +85,7 @@ def _read_images(reader: BagReader, topics: Topics) -> Iterator[tuple[int, int, 
         if topic in sides:
             infos = {**infos, sides[topic]: message}
         else:
-            yield stamp_of(message), time_ns, infos
+            yield stamp_from_ros(message.header.stamp), time_ns, infos
 
 
 def _only(reader: BagReader, ending: str, kind: str) -> str | None:

@@ -6,15 +6,12 @@ from __future__ import annotations
 
 import errno
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from http import HTTPStatus
+from functools import partial
 from http.server import ThreadingHTTPServer
 from typing import Any
 
 from lane_dp_ros.messages.errors import CommandError, one_line
-from lane_dp_ros.review.handler import ADDRESS, GONE, Handler, RefusedError
+from lane_dp_ros.review.handler import ADDRESS, GONE, Handler, Site
 from lane_dp_ros.review.review import Review
 
 
@@ -25,15 +22,15 @@ class ReviewServer(ThreadingHTTPServer):
     """
 
     daemon_threads = True  # of connections; a browser leaves them open
-    review: Review
 
     def __init__(self, port: int) -> None:
-        self.requests = Requests()
+        self.site = Site()
         try:
-            super().__init__((ADDRESS, port), Handler)
+            super().__init__((ADDRESS, port), partial(Handler, self.site))
         except OSError as error:
             hint = "--port names another one, 0 any that is free"
             raise CommandError(f"cannot serve on port {port}: {one_line(error)}; {hint}") from None
+        self.site.port = self.server_port
 
     @property
     def url(self) -> str:
@@ -50,40 +47,8 @@ class ReviewServer(ThreadingHTTPServer):
 
     def serve(self, review: Review) -> None:
         """Answer until an exception such as KeyboardInterrupt ends it; the last request is then answered."""
-        self.review = review
+        self.site.review = review
         try:
             self.serve_forever(poll_interval=0.05)
         finally:
-            self.requests.close()
-
-
-class Requests:
-    """The requests that are being answered.
-
-    None may be cut off at the end: the last change would be lost, and a process that ends while OpenCV is at
-    work in another thread aborts.
-    """
-
-    def __init__(self) -> None:
-        self._changed = threading.Condition()
-        self._open, self._count = True, 0
-
-    @contextmanager
-    def one_more(self) -> Iterator[None]:
-        """Count a request. Raises RefusedError after the end: the file of judgements is no longer ours."""
-        with self._changed:
-            if not self._open:
-                raise RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, "this review was ended")
-            self._count += 1
-        try:
-            yield
-        finally:
-            with self._changed:
-                self._count -= 1
-                self._changed.notify_all()
-
-    def close(self) -> None:
-        """Take no more, and wait for those that are being answered."""
-        with self._changed:
-            self._open = False
-            self._changed.wait_for(lambda: self._count == 0)
+            self.site.requests.close()

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from lane_dp_ros.messages.stereo_sync import NS_PER_S, SIDES, Side
+from lane_dp_ros.messages.stamp import stamp_from_ros
+from lane_dp_ros.messages.stereo_sync import SIDES, Side
 
 SETTLING = 1.0  # s that a change on one side waits for the other side's
 
@@ -36,9 +37,13 @@ class CameraInfos:
         is_new = side not in self._last or _calibration(msg) != _calibration(self._last[side])
         self._last[side] = msg
         if is_new and self._in_use is not None and self._changed is None:
-            self._changed = _Change(side, _stamp_ns(msg), now)
-        elif self._changed is not None and side != self._changed.side:
-            self._changed = self._changed if _stamp_ns(msg) < self._changed.stamp_ns else None
+            self._changed = _Change(side, stamp_from_ros(msg.header.stamp), now)
+        elif (
+            self._changed is not None
+            and side != self._changed.side
+            and stamp_from_ros(msg.header.stamp) >= self._changed.stamp_ns
+        ):
+            self._changed = None
 
     def both(self, now: float) -> tuple[Any, Any] | None:
         """Return left and right that belong together, None before both have come."""
@@ -47,10 +52,6 @@ class CameraInfos:
         if self._changed is None and len(self._last) == len(SIDES):
             self._in_use = (self._last["left"], self._last["right"])
         return self._in_use
-
-
-def _stamp_ns(msg: Any) -> int:
-    return int(msg.header.stamp.sec) * NS_PER_S + int(msg.header.stamp.nanosec)
 
 
 def _calibration(msg: Any) -> tuple[Any, ...]:

@@ -29,12 +29,14 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from visualization_msgs.msg import MarkerArray
 
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
-from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.messages.dds_profile import use_dds_profile
 from lane_dp_ros.messages.errors import one_line
+from lane_dp_ros.messages.image import image_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
-from lane_dp_ros.messages.stereo_sync import NS_PER_S, SIDES, Side, StereoPair, StereoSync
+from lane_dp_ros.messages.stamp import NS_PER_S
+from lane_dp_ros.messages.stereo_sync import SIDES, Side, StereoPair, StereoSync
 from lane_dp_ros.ros.camera_infos import CameraInfos
 from lane_dp_ros.ros.diagnostics import Counts, FrameReport, Health, Level, Topics
 from lane_dp_ros.ros.parameters import LiveParameters

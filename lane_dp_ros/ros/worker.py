@@ -19,7 +19,7 @@ class LatestOnlyWorker:
         self._closing = False
         self._changed = threading.Condition()
         # A daemon, because things may go wrong before anybody is there to call close().
-        self._thread = threading.Thread(target=self._run, name="newest_first", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="latest_only", daemon=True)
         self._thread.start()
 
     def offer(self, item: Any) -> None:

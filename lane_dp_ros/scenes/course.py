@@ -16,7 +16,7 @@ from lane_dp_ros.scenes.road import Road
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-SIGHT = 300.0  # [m] beyond which the ground is lost in haze
+HAZE_DISTANCE = 300.0  # [m] beyond which the ground is lost in haze
 TABLE_STEP = 0.1  # [m] between the places at which the course is worked out
 MAX_TURN = np.deg2rad(80)  # a road that has turned farther could come back into view: there it ends
 FAR_OFF = 1000.0  # [m] to the side
@@ -36,7 +36,7 @@ class Course:
     @cached_property
     def s(self) -> Floats:
         """The places along the road for which the tables below are worked out."""
-        s = np.arange(-20.0, SIGHT, TABLE_STEP, dtype=np.float64)
+        s = np.arange(-20.0, HAZE_DISTANCE, TABLE_STEP, dtype=np.float64)
         turned = np.abs(self._turned(s)) > MAX_TURN
         return s[: turned.argmax()] if turned.any() else s
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.scenes import textures
-from lane_dp_ros.scenes.course import SIGHT
+from lane_dp_ros.scenes.course import HAZE_DISTANCE
 from lane_dp_ros.scenes.heightfield import lay_out
 from lane_dp_ros.scenes.paint import draw_paint, striped
 from lane_dp_ros.scenes.road import Road
@@ -58,7 +58,7 @@ def draw_ground(surface: Surface, view: View) -> None:
 
 def _footprint(surface: Surface, view: View, rows: slice) -> Footprint:
     rays, s, n = view.rays[rows], surface.s[rows], surface.n[rows]
-    depth = np.minimum(surface.depth[rows], np.float32(SIGHT))
+    depth = np.minimum(surface.depth[rows], np.float32(HAZE_DISTANCE))
     steep = np.maximum(-np.einsum("hwi,hwi->hw", rays, surface.normal[rows]), 1e-4)
     width = depth / np.float32(view.camera.fx)
     length = depth * np.einsum("hwi,hwi->hw", rays, rays) / (np.float32(view.camera.fy) * steep)

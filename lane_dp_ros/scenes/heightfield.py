@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.scenes.course import SIGHT
+from lane_dp_ros.scenes.course import HAZE_DISTANCE
 from lane_dp_ros.scenes.surface import Surface
 from lane_dp_ros.scenes.view import View
 
@@ -24,7 +24,9 @@ def lay_out(surface: Surface, view: View) -> None:
     depth = ground_depth(view)
     rows = slice(int(np.isfinite(depth).any(axis=1).argmax()), None)
     seen = np.isfinite(depth[rows])
-    depth = np.where(seen, depth[rows], np.float32(SIGHT))  # of what is not ground, nothing will be kept
+    depth = np.where(
+        seen, depth[rows], np.float32(HAZE_DISTANCE)
+    )  # of what is not ground, nothing will be kept
     position = view.origin.astype(np.float32) + view.rays[rows] * depth[..., None]
     s, n, heading = view.course.locate(position[..., 0], position[..., 2])
     s += np.float32(view.course.position)
@@ -39,7 +41,7 @@ def lay_out(surface: Surface, view: View) -> None:
 def ground_depth(view: View) -> Singles:
     """Return the depth (H, W) [m] along the camera's axis of the ground that each pixel sees, or inf."""
     depth = _plane_depth(view) if view.road.is_flat else _heightfield_depth(view)
-    depth[(depth <= 0) | (depth > SIGHT)] = np.inf
+    depth[(depth <= 0) | (depth > HAZE_DISTANCE)] = np.inf
     return depth
 
 
@@ -56,7 +58,7 @@ def _heightfield_depth(view: View) -> Singles:
     Along the plane the picture row of the ground falls with distance; where it rises again, the ground is
     hidden behind a crest, so that the running minimum is what is seen.
     """
-    depths = 1 / np.linspace(1 / NEAREST, 1 / SIGHT, SAMPLES)
+    depths = 1 / np.linspace(1 / NEAREST, 1 / HAZE_DISTANCE, SAMPLES)
     rows = np.minimum.accumulate(_ground_rows(view, depths), axis=1)
     wanted = np.arange(view.shape[0], dtype=np.float32)
     inverse = np.empty((view.size[0], view.shape[0]), np.float32)

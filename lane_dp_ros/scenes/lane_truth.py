@@ -14,7 +14,7 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.scenes.road import Line
 from lane_dp_ros.scenes.surface import Surface
 from lane_dp_ros.scenes.view import View
-from lane_dp_ros.scenes.visibility import legible
+from lane_dp_ros.scenes.visibility import visible_paint
 from lane_dp_ros.tools.evaluation.annotations import Kind, Label
 
 Floats = NDArray[np.float64]
@@ -92,7 +92,7 @@ def _seen(
     uv = view.camera.project(points)
     painted = line.is_painted(along)
     in_sight = painted & _is_in_sight(view, surface, points, uv, line)
-    visible = legible(image, view, (n, line), s, in_sight)
+    visible = visible_paint(image, view, (n, line), s, in_sight)
     gap = line.gap if line.painted == "dashed" else 0.0
     part = _bridged_part(s, visible, gap)
     sure = bool(len(part) and visible[part].sum() > painted[part].sum() / 2 and np.ptp(s[part]) >= SHORT)

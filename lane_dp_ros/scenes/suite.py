@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.messages.bag import BagWriter
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
 from lane_dp_ros.scenes.categories import CATEGORIES
 from lane_dp_ros.scenes.scene import CAMERA, FIRST_STAMP_NS, Scene, ScenePair, render_frame
-from lane_dp_ros.tools.datasets.convert import StereoBagWriter, progress
-from lane_dp_ros.tools.datasets.kitti import StereoImages
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.truth_file import save_truth
 from lane_dp_ros.tools.parallel import parallel_map
+from lane_dp_ros.tools.progress import progress
 
 BAG, TRUTH = "scenes.mcap", "truth.json"
 SUITES = ("standard",)  # every category, in the order of the table

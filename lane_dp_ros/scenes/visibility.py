@@ -28,7 +28,7 @@ FLANK = np.linspace(0.03, 0.15, 5)  # [m] beyond that: the road that the paint i
 NEAREST = 0.5  # [m] ahead of the camera; what is nearer is in no picture
 
 
-def legible(
+def visible_paint(
     image: NDArray[np.uint8], view: View, placed: tuple[float, Line], s: Floats, in_sight: Mask
 ) -> Mask:
     """Return at which places s (N,) [m] ahead, evenly spaced, the paint of a line stands out in the picture.

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What closes the view to both sides of a rendered road: the edge of a forest, the fronts of houses.
 
-They are part of the ground's relief, so that they hide one another and what is behind as hills do.
+They are part of the ground's heightfield, so that they hide one another and what is behind as hills do.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LEAVES_DARK, LEAVES_LIGHT = np.array([22, 34, 30], np.float32), np.array([66, 11
 
 
 def draw_walls(surface: Surface, view: View) -> None:
-    """Colour the walls in a surface whose relief is laid out, and take them off its ground."""
+    """Colour the walls in a surface whose heightfield is laid out, and take them off its ground."""
     road = view.road
     if road.verge == "fields":
         return

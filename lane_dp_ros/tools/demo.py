@@ -16,9 +16,12 @@ from numpy.typing import NDArray
 from lane_dp_ros import scenes
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import typestore
-from lane_dp_ros.messages.conversions import image_from_ros, lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import StereoBagWriter, progress
+from lane_dp_ros.messages.image import image_from_ros
+from lane_dp_ros.messages.lanes import lanes_from_ros
+from lane_dp_ros.messages.stamp import stamp_from_ros
+from lane_dp_ros.messages.stereo_bag import StereoBagWriter
+from lane_dp_ros.tools.progress import progress
 
 FRAMES, RATE, SEED = 30, 10.0, 7  # three seconds of road, at KITTI's rate [Hz]
 STRIP = 4  # frames in a picture
@@ -89,7 +92,7 @@ def _render(writer: BagWriter) -> None:
 def _result(session: Any) -> Result:
     messages: list[Any] = [typestore().deserialize_cdr(data, MARKER_ARRAY) for _, data in session.answers]
     arrived_ns = [arrived for arrived, _ in session.answers]
-    stamps_ns = [_stamp_ns(message.markers[0].header) for message in messages]
+    stamps_ns = [stamp_from_ros(message.markers[0].header.stamp) for message in messages]
     latencies = [a - session.sent_ns[stamp] for a, stamp in zip(arrived_ns, stamps_ns, strict=True)]
     seconds = (arrived_ns[-1] - arrived_ns[0]) / 1e9
     return Result(
@@ -98,10 +101,6 @@ def _result(session: Any) -> Result:
         latencies_ms=np.array(latencies) / NS_PER_MS,
         rate=(len(messages) - 1) / seconds if seconds else 0.0,
     )
-
-
-def _stamp_ns(header: Any) -> int:
-    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
 
 
 def _write_strip(bag: Path, topic: str, path: Path, joined: Callable[[list[Image8]], Image8]) -> None:

@@ -18,15 +18,16 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline, detect_pair
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
-from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.image import image_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs, is_of_ros
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
 from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import SIDES, StereoSync
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.parameter_file import read_parameter_file
+from lane_dp_ros.tools.progress import progress
 
 
 def load_config(preset: str, path: Path | None) -> tuple[NodeConfig, DetectorConfig]:

@@ -13,23 +13,23 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.lanes import selection as lane_selection
 from lane_dp_ros.core.parameter import parameters, replaced
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
-from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import Summary
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 
 import ablation
 import calibrate_confidence
-import judged_set
-import leave_a_drive_out
+import explain_misses
+import leave_one_drive_out
 import steady_lines
+import study_runner
 import thresholds
 import varied_frames
 import varied_pairs
-import what_hinders
 
 GOOD = Summary(frames=10, ego_labels=20, missed=1, labels=40, matched=38, detections=39, false_lanes=1)
 BARE = Summary(frames=10)
@@ -40,7 +40,7 @@ def pairs():
     """Two consecutive frames of an ordinary road."""
     frames = [render_frame(Scene(motion=Motion(start=100.0)), i, 1) for i in range(2)]
     return [
-        judged_set.JudgedPair(
+        study_runner.JudgedPair(
             f"road/{i:02d}",
             "road",
             *(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (frame.left, frame.right)),
@@ -79,7 +79,7 @@ def test_a_row_has_a_cell_under_each_head(pairs):
 
 def test_processes_answer_as_the_detector_does_with_names_replaced_or_not(pairs):
     blind = {"lane_dp_ros.core.lanes.path_search.FREE_PASSES": 0}
-    with judged_set.Judges(pairs, jobs=2) as judges:
+    with study_runner.Judges(pairs, jobs=2) as judges:
         seen, nothing = judges.results(DetectorConfig()), judges.results(DetectorConfig(), blind)
         again = judges.results(DetectorConfig())
     assert [result.name for result in seen] == ["road/00", "road/01"]
@@ -89,7 +89,7 @@ def test_processes_answer_as_the_detector_does_with_names_replaced_or_not(pairs)
 
 
 def test_what_is_remembered_changes_no_verdict(pairs):
-    memory = judged_set.Memory()
+    memory = study_runner.Memory()
     strict = replaced(DetectorConfig(), {"lane_selection.start_max": 5.0})
     for config in (DetectorConfig(), strict, DetectorConfig()):
         with memory.in_use():
@@ -101,19 +101,19 @@ def test_what_is_remembered_changes_no_verdict(pairs):
 
 
 def test_what_is_remembered_does_not_hide_a_constant(pairs):
-    memory = judged_set.Memory()
+    memory = study_runner.Memory()
     counts = []
-    for wide_band_ratio in (thresholds.shipped("lane_selection.WIDE_BAND_RATIO_MAX"), -1e9):
-        config, patches = thresholds.changed({"lane_selection.WIDE_BAND_RATIO_MAX": wide_band_ratio})
-        with judged_set.patched(patches), memory.in_use():
+    for ratio in (thresholds.shipped("lanes.selection.WIDE_BAND_RATIO_MAX"), -1e9):
+        config, patches = thresholds.changed({"lanes.selection.WIDE_BAND_RATIO_MAX": ratio})
+        with study_runner.patched(patches), memory.in_use():
             counts.append(len(pairs[0].detected(config).lanes))
     assert counts == [3, 0]
 
 
 def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
-    memory = judged_set.Memory()
+    memory = study_runner.Memory()
     calls = []
-    real = judged_set.lane_detector.dense_disparity
+    real = study_runner.lane_detector.dense_disparity
 
     def dense_disparity(*arguments):
         calls.append(arguments)
@@ -131,8 +131,8 @@ def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
 
 
 def test_a_constant_has_only_what_uses_it_computed_again(pairs):
-    memory, calls = judged_set.Memory(), Counter()
-    search, detector = judged_set.lane_search, judged_set.lane_detector
+    memory, calls = study_runner.Memory(), Counter()
+    search, detector = study_runner.lane_search, study_runner.lane_detector
 
     def counted(module, name):
         real = getattr(module, name)
@@ -146,7 +146,7 @@ def test_a_constant_has_only_what_uses_it_computed_again(pairs):
 
     def detect(name, value):
         patches = {f"lane_dp_ros.core.{name}": value}
-        with judged_set.patched(patches), memory.in_use(patches):
+        with study_runner.patched(patches), memory.in_use(patches):
             pairs[0].detected(DetectorConfig())
         return tuple(calls.values())
 
@@ -155,17 +155,17 @@ def test_a_constant_has_only_what_uses_it_computed_again(pairs):
         counted(search, "find_paths"),
         counted(search, "line_evidence"),
     ):
-        disparities, paths, evidence = detect("line_heights.DISTINCT", 0.3)
+        disparities, paths, evidence = detect("lanes.plane_sweep.DISTINCT", 0.3)
         assert (disparities, paths) == (1, 1) and evidence >= 3
-        assert detect("line_heights.DISTINCT", 0.4) == (1, 1, 2 * evidence)
-        assert detect("line_heights.DISTINCT", 0.3) == (1, 1, 2 * evidence)
-        assert detect("path_search.SLOPE_COST", 5.0)[:2] == (1, 2)
+        assert detect("lanes.plane_sweep.DISTINCT", 0.4) == (1, 1, 2 * evidence)
+        assert detect("lanes.plane_sweep.DISTINCT", 0.3) == (1, 1, 2 * evidence)
+        assert detect("lanes.path_search.SLOPE_COST", 5.0)[:2] == (1, 2)
 
 
 def test_evidence_is_remembered_by_the_pictures_that_it_comes_from(pairs):
-    memory = judged_set.Memory()
+    memory = study_runner.Memory()
     lines = []
-    real = judged_set.lane_search.line_evidence
+    real = study_runner.lane_search.line_evidence
 
     def line_evidence(line, *others):
         lines.append(line)
@@ -184,36 +184,36 @@ def test_evidence_is_remembered_by_the_pictures_that_it_comes_from(pairs):
 
 
 def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
-    start = leave_a_drive_out.named(leave_a_drive_out.middle())
+    start = leave_one_drive_out.named(leave_one_drive_out.middle())
     for name, grid in thresholds.THRESHOLDS.items():
         assert list(grid) == sorted(set(grid)) and len(grid) % 2 == 1, name
         assert start[name] == grid[len(grid) // 2]
         assert grid[0] <= thresholds.shipped(name) <= grid[-1]
         for value in grid:
-            with judged_set.patched(thresholds.changed({name: value})[1]):
+            with study_runner.patched(thresholds.changed({name: value})[1]):
                 assert not thresholds.is_constant(name) or thresholds.shipped(name) == value
 
 
 def test_every_number_that_selects_lanes_is_searched():
-    of = "lane_selection."
-    constants = {of + name for name in vars(lane_selection) if name.isupper()}
+    of, module = "lane_selection.", "lanes.selection."
+    constants = {module + name for name in vars(lane_selection) if name.isupper()}
     numbers = {
         name
         for name, spec in parameters(DetectorConfig()).items()
         if name.startswith(of) and isinstance(spec.default, float)
     }
-    assert {name for name in thresholds.THRESHOLDS if name.startswith(of)} == constants | numbers
+    assert {name for name in thresholds.THRESHOLDS if name.startswith((of, module))} == constants | numbers
 
 
 def test_a_threshold_that_is_gone_is_said_at_the_start(monkeypatch):
-    for name, error in (("lane_selection.GONE", AttributeError), ("lane_selection.gone", ValueError)):
-        monkeypatch.setattr(leave_a_drive_out, "THRESHOLDS", {name: (1.0,)})
+    for name, error in (("lanes.selection.GONE", AttributeError), ("lane_selection.gone", ValueError)):
+        monkeypatch.setattr(leave_one_drive_out, "THRESHOLDS", {name: (1.0,)})
         with pytest.raises(error, match=r"gone|GONE"):
-            leave_a_drive_out.check()
+            leave_one_drive_out.check()
 
 
 def test_the_objective_falls_with_every_kind_of_error():
-    best = leave_a_drive_out.objective([GOOD, BARE])
+    best = leave_one_drive_out.objective([GOOD, BARE])
     assert best == pytest.approx(3 / (20 / 19 + 40 / 38 + 39 / 38))
     for worse in (
         replace(GOOD, missed=2),
@@ -221,14 +221,14 @@ def test_the_objective_falls_with_every_kind_of_error():
         replace(GOOD, false_lanes=2),
         replace(GOOD, matched=0, missed=20, detections=0, false_lanes=0),
     ):
-        assert leave_a_drive_out.objective([worse, BARE]) < best
+        assert leave_one_drive_out.objective([worse, BARE]) < best
     bare = replace(BARE, detections=1, false_lanes=1)
-    assert leave_a_drive_out.objective([GOOD, bare]) < 0.91 * best
+    assert leave_one_drive_out.objective([GOOD, bare]) < 0.91 * best
 
 
 def test_the_search_takes_what_is_best_on_the_other_drives_and_nearest_to_the_middle():
-    search = leave_a_drive_out.Search(None, {"a": "one", "b": "two"})
-    start = leave_a_drive_out.middle()
+    search = leave_one_drive_out.Search(None, {"a": "one", "b": "two"})
+    start = leave_one_drive_out.middle()
     grid = thresholds.THRESHOLDS[next(iter(thresholds.THRESHOLDS))]
     missed = {"one": (5, 5, 5, 5, 0), "two": (0, 0, 3, 0, 0), "three": (0, 0, 0, 0, 0)}
     for i, value in enumerate(grid):
@@ -240,14 +240,14 @@ def test_the_search_takes_what_is_best_on_the_other_drives_and_nearest_to_the_mi
 
 
 def test_each_third_pair_of_the_drive_without_paint_is_varied(pairs):
-    bare = [replace(pairs[0], name=f"06/{i}", sequence=judged_set.UNPAINTED) for i in range(4)]
-    names = [pair.name for pair in leave_a_drive_out.to_vary([*pairs, *bare])]
+    bare = [replace(pairs[0], name=f"06/{i}", sequence=study_runner.UNPAINTED) for i in range(4)]
+    names = [pair.name for pair in leave_one_drive_out.to_vary([*pairs, *bare])]
     assert names == ["road/00", "road/01", "06/1"]
 
 
 def test_nothing_is_chosen_on_the_drive_that_is_judged():
     drives = ["one", "two", "one, varied", "two, varied", "suite", "one"]
-    assert leave_a_drive_out.all_but("one", drives) == ["two", "two, varied", "suite"]
+    assert leave_one_drive_out.all_but("one", drives) == ["two", "two, varied", "suite"]
 
 
 def test_a_mirror_and_an_exposure_change_no_verdict(pairs):
@@ -290,13 +290,13 @@ def test_another_exposure_leaves_black_and_white(pairs):
 )
 def test_neighbours_are_of_one_drive(pairs, name, drive):
     pair = replace(pairs[0], name=name, sequence="kitti_stereo_2015")
-    assert leave_a_drive_out.drive_of(pair) == drive
+    assert leave_one_drive_out.drive_of(pair) == drive
 
 
 def test_a_frame_of_no_known_drive_is_refused(pairs):
     pair = replace(pairs[0], name="kitti_stereo_2015/000199_10", sequence="kitti_stereo_2015")
     with pytest.raises(Exception, match="000199_10 is of none of the known drives"):
-        leave_a_drive_out.drive_of(pair)
+        leave_one_drive_out.drive_of(pair)
 
 
 def test_every_published_line_comes_with_its_evidence(pairs):
@@ -315,7 +315,7 @@ def test_the_regression_finds_the_share_of_right_lines():
     assert calibrate_confidence.predicted(np.array([[1.0]]), weights)[0] == pytest.approx(0.5, abs=0.04)
 
 
-@pytest.mark.parametrize("script", [leave_a_drive_out, calibrate_confidence, steady_lines, varied_frames])
+@pytest.mark.parametrize("script", [leave_one_drive_out, calibrate_confidence, steady_lines, varied_frames])
 def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["script", str(tmp_path / "none")])
     assert script.main() == 1
@@ -324,17 +324,17 @@ def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsy
 
 
 def test_each_threshold_is_tried_at_both_limits_that_go_with_the_others():
-    tried = dict(what_hinders.extremes())
+    tried = dict(explain_misses.extremes())
     assert len(tried) > 20
     assert tried["path_search.min_score 1"][0].path_search.min_score == 1.0
-    assert tried["lane_selection.KERB_STEP 0.06"][1] == {"lane_dp_ros.core.lanes.selection.KERB_STEP": 0.06}
+    assert tried["lanes.selection.KERB_STEP 0.06"][1] == {"lane_dp_ros.core.lanes.selection.KERB_STEP": 0.06}
 
 
 def test_a_label_that_is_not_found_is_named(pairs):
     blind = replaced(DetectorConfig(), {"path_search.min_score": 20.0, "lane_selection.score_min": 20.0})
     labels = [label.id for label in pairs[0].frame.labels]
-    assert what_hinders.not_found(pairs[0].judged(pairs[0].detected(DetectorConfig()).lanes)) == []
-    found = what_hinders.not_found(pairs[0].judged(pairs[0].detected(blind).lanes))
+    assert explain_misses.not_found(pairs[0].judged(pairs[0].detected(DetectorConfig()).lanes)) == []
+    found = explain_misses.not_found(pairs[0].judged(pairs[0].detected(blind).lanes))
     assert found and set(found) < set(labels)  # the dashed one has too little paint
 
 

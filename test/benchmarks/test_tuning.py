@@ -13,11 +13,11 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import parameters, replaced
 from lane_dp_ros.core.pipeline import LanePipeline
 from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
-from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import Summary
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 
-import judged_set
+import study_runner
 import tuning
 
 SPECS = parameters(DetectorConfig())
@@ -51,7 +51,7 @@ def pairs():
     """Two consecutive frames of an ordinary road."""
     frames = [render_frame(Scene(motion=Motion(start=100.0)), i, 1) for i in range(2)]
     return [
-        judged_set.JudgedPair(
+        study_runner.JudgedPair(
             f"road/{i:02d}",
             "road",
             *(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (frame.left, frame.right)),
@@ -137,7 +137,7 @@ def test_a_lower_and_a_higher_value_are_tried_where_there_are_any(name):
 
 
 def test_what_is_remembered_of_random_numbers_is_what_they_give_anew(pairs):
-    memory = judged_set.Memory()
+    memory = study_runner.Memory()
     configs = [
         replaced(DetectorConfig(), values)
         for values in ({}, {"seed": 1}, {"lane_model.model": "parabola"}, {"lane_model.max_trials": 50}, {})
@@ -173,7 +173,9 @@ def test_a_row_has_a_cell_under_each_head_and_a_number_for_each_value():
 def test_frames_are_told_apart_by_what_they_are_of(pairs):
     lanes = pairs[0].detected(DetectorConfig()).lanes
     scene = pairs[0].judged(lanes)
-    unpainted = judged_set.judge_unpainted(f"{judged_set.UNPAINTED}/000000", lanes, judged_set.UNPAINTED, 0)
+    unpainted = study_runner.judge_unpainted(
+        f"{study_runner.UNPAINTED}/000000", lanes, study_runner.UNPAINTED, 0
+    )
     found = tuning.summaries([scene, unpainted])
     assert found["06"].false_lanes == 3
     assert [each for each in found if each != "06"] == ["suite" if scene.category else "labelled frames"]

@@ -9,15 +9,13 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.birdseye.paint_map import band_graph
-from lane_dp_ros.core.birdseye.paint_map import PaintMapConfig
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.birdseye.paint_map import PaintMap, PaintMapConfig, band_graph
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.lanes.evidence import line_evidence
-from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
-from lane_dp_ros.core.birdseye.paint_map import PaintMap
+from lane_dp_ros.core.lanes.evidence import line_evidence
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import Road, ScenePair, render_pair
 

@@ -3,8 +3,8 @@
 """The axis of a moment ago is asked for where the road's axis leaps, and forgotten soon."""
 
 import pytest
-
 from lane_dp_ros.core.axis_memory import CURVATURE_LEAP, HEADING_LEAP, MEMORY_NS, AxisMemory
+
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 
 KNOWN = RoadAxis(0.1, 0.03)

@@ -14,13 +14,12 @@ import pytest
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.datasets import kitti
 from lane_dp_ros.tools.evaluation.matching import judge
-from lane_dp_ros.tools.evaluation.scores import Summary
-from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another

@@ -4,12 +4,11 @@
 
 import numpy as np
 import pytest
+from lane_dp_ros.core.road.arc_vanishing_point import road_axis
 
-from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.arc_vanishing_point import road_axis
-from lane_dp_ros.core.road.edge_pixels import edge_pixels
+from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 from lane_dp_ros.scenes import CAMERA, Road
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.road import SOLID, UNPAINTED, Line

@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.birdseye.paint_map import PaintMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.birdseye.paint_map import PaintMap
 
 AXES = {"straight": RoadAxis(), "turned": RoadAxis(0.1), "bend": RoadAxis(-0.05, 0.02)}
 

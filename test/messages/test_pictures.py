@@ -7,8 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
-from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface

@@ -17,13 +17,15 @@ import pytest
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagWriter, bag_message
-from lane_dp_ros.messages.conversions import image_to_ros, lanes_to_ros
+from lane_dp_ros.messages.camera import camera_info_to_ros
+from lane_dp_ros.messages.image import image_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros
+from lane_dp_ros.messages.stamp import stamp_to_ros
 from lane_dp_ros.review.lines_as_truth import Grounds
 from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.review.review import Review
 from lane_dp_ros.review.review_file import ReviewFile
 from lane_dp_ros.review.server import ReviewServer
-from lane_dp_ros.tools.datasets.convert import camera_info, time_message
 from lane_dp_ros.tools.offline import load_config
 
 CAMERA = StereoCamera(fx=200.0, fy=200.0, cx=199.5, cy=60.0, baseline=0.5)
@@ -50,7 +52,7 @@ def straight_lane(role: str) -> Lane:
 
 
 def header(stamp_ns: int):
-    return bag_message("std_msgs/msg/Header", stamp=time_message(stamp_ns), frame_id="camera")
+    return bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(stamp_ns, bag_message), frame_id="camera")
 
 
 def lanes_message(stamp_ns: int, roles: tuple[str, ...]):
@@ -60,7 +62,7 @@ def lanes_message(stamp_ns: int, roles: tuple[str, ...]):
 def write_images(writer: BagWriter, namespace: str = "") -> None:
     for index, stamp in enumerate(STAMPS):
         for side, P in (("left", P_LEFT), ("right", P_RIGHT)):
-            info = camera_info(header(stamp), P, SIZE)
+            info = camera_info_to_ros(P, SIZE, header(stamp), bag_message)
             writer.write(f"{namespace}/{side}/camera_info", stamp + 5, info)
         image = np.full(SIZE, 60 + 10 * index, np.uint8)
         image[:60] = 200

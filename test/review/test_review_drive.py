@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.messages.bag import STORAGES, BagReader, BagWriter, bag_message
-from lane_dp_ros.messages.conversions import lanes_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.review.drive import Drive
 from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.tools.cli import main

@@ -126,7 +126,7 @@ def test_a_stamp_is_written_as_text(served) -> None:
 
 
 def test_the_end_waits_for_the_last_answer_and_takes_no_more(served) -> None:
-    with served.server.requests.one_more():  # such as a change that is being saved
+    with served.server.site.requests.one_more():  # such as a change that is being saved
         ended = threading.Thread(target=served.end)
         ended.start()
         ended.join(0.5)
@@ -134,7 +134,7 @@ def test_the_end_waits_for_the_last_answer_and_takes_no_more(served) -> None:
     ended.join(5)
     assert not ended.is_alive()
     with pytest.raises(Exception, match="this review was ended"):
-        with served.server.requests.one_more():
+        with served.server.site.requests.one_more():
             pass
 
 

@@ -27,7 +27,8 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
-from lane_dp_ros.messages.conversions import image_to_ros, lanes_from_ros
+from lane_dp_ros.messages.image import image_to_ros
+from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.ros.rclpy_message import rclpy_message
 from lane_dp_ros.scenes import CAMERA, SIZE, render_sequence

@@ -9,7 +9,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, Image
 
-from lane_dp_ros.messages.conversions import image_from_ros
+from lane_dp_ros.messages.image import image_from_ros
 from lane_dp_ros.scenes import CAMERA, SIZE
 
 OK, WARN = b"\x00", b"\x01"

@@ -58,4 +58,4 @@ def test_close_ends_the_work_at_hand_and_leaves_what_waits(gate):
     gate.go_on.release()
     worker.close()
     assert gate.taken in ([1], [1, 2])
-    assert threading.active_count() == 1 or all(t.name != "newest_first" for t in threading.enumerate())
+    assert threading.active_count() == 1 or all(t.name != "latest_only" for t in threading.enumerate())

@@ -9,7 +9,7 @@ import pytest
 from lane_dp_ros.scenes import lamps, shadows, specular
 from lane_dp_ros.scenes.barriers import GuardRail, Posts
 from lane_dp_ros.scenes.condition_categories import CONDITION_CATEGORIES
-from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.ground import draw_ground
 from lane_dp_ros.scenes.light import Light, shade
 from lane_dp_ros.scenes.objects import composite
@@ -28,7 +28,7 @@ FLAT = np.full((120, 160, 3), 0.25, np.float32)
 
 
 def a_view(eye=0.0, road=STRAIGHT, position=HERE):
-    return View(CAMERA, SIZE, FrenetLine(road, position), Pose(0.0, road.pitch, 0.0), eye, seed=1, time=0.0)
+    return View(CAMERA, SIZE, Course(road, position), Pose(0.0, road.pitch, 0.0), eye, seed=1, time=0.0)
 
 
 def ground(view, *objects):

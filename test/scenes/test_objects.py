@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.scenes.barriers import Grass, GuardRail, Posts
-from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.faces import NEAREST, Face, Picture, hides, see
 from lane_dp_ros.scenes.light import Light, shade
 from lane_dp_ros.scenes.objects import at, composite, hidden, things_in_sight
@@ -26,7 +26,7 @@ HERE = 100.0  # [m] along the road
 
 def a_view(eye=0.0, road=STRAIGHT, position=HERE, time=0.0):
     pose = Pose(0.0, road.pitch, 0.0)
-    return View(CAMERA, SIZE, FrenetLine(road, position), pose, eye, seed=1, time=time)
+    return View(CAMERA, SIZE, Course(road, position), pose, eye, seed=1, time=time)
 
 
 def drawn(view, *objects):

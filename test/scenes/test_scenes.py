@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair, render_sequence
-from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.road import SOLID
 
 BENDS = {
@@ -138,7 +138,7 @@ def test_a_sequence_drives_at_15_m_a_second():
 
 @pytest.mark.parametrize("curvature", [-0.03, -0.01, 0.0, 0.01, 0.03])
 def test_places_on_the_road_are_found_again_on_the_ground(curvature):
-    course = FrenetLine(Road(curvature=curvature, swing=0), 10.0)
+    course = Course(Road(curvature=curvature, swing=0), 10.0)
     s = np.arange(3.0, 40.0, 1.7)
     for n in (-6.0, 0.0, 4.0):
         x, z = course.places(s, n)

@@ -10,7 +10,7 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.scenes import CAMERA, SIZE, Road
 from lane_dp_ros.scenes.categories import CATEGORIES
-from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.lane_truth import lane_labels
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.marking_categories import MARKING_CATEGORIES
@@ -44,7 +44,7 @@ GREY = cv2.COLOR_BGR2GRAY
 
 def left_view(scene, position=None, seed=1):
     """How the left camera of a scene's first frame stands, what it sees, and its picture."""
-    course = FrenetLine(scene.road, scene.motion.start if position is None else position)
+    course = Course(scene.road, scene.motion.start if position is None else position)
     view = View(CAMERA, SIZE, course, scene.motion.pose(0.0, scene.road.pitch), 0.0, seed, 0.0)
     light, surface = render(view, scene.light, scene.objects)
     return view, surface, expose(light, view, scene.sensor, np.random.default_rng(seed))
@@ -178,7 +178,7 @@ def test_the_lines_beside_the_vehicle_change_with_the_lane():
 
 
 def test_a_camera_that_looks_aside_keeps_the_truth_on_the_road():
-    course = FrenetLine(Road(swing=0, lines=(SOLID, UNPAINTED, SOLID)), 50.0)
+    course = Course(Road(swing=0, lines=(SOLID, UNPAINTED, SOLID)), 50.0)
     view = View(CAMERA, SIZE, course, Pose(lateral=0.4, pitch=0.03, yaw=0.1), 0.0, 1, 0.0)
     light, surface = render(view, Light(), ())
     labels, _ = lane_labels(view, surface, expose(light, view, Sensor(), np.random.default_rng(1)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.scenes import CAMERA, SIZE, Road
-from lane_dp_ros.scenes.course import FrenetLine
+from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.lane_truth import lane_labels
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.rendering import render
@@ -16,16 +16,16 @@ from lane_dp_ros.scenes.road import SOLID, UNPAINTED, Line
 from lane_dp_ros.scenes.sensor import Sensor, expose
 from lane_dp_ros.scenes.vehicles import Vehicle
 from lane_dp_ros.scenes.view import Pose, View
-from lane_dp_ros.scenes.visibility import legible
+from lane_dp_ros.scenes.visibility import visible_paint
 
 ROAD = Road(swing=0, pitch=0.0, lines=(UNPAINTED, UNPAINTED, SOLID))
-VIEW = View(CAMERA, SIZE, FrenetLine(ROAD, 0.0), Pose(), 0.0, 1, 0.0)
+VIEW = View(CAMERA, SIZE, Course(ROAD, 0.0), Pose(), 0.0, 1, 0.0)
 S = np.arange(5.0, 30.0, 0.5)
 DEPTHS = CAMERA.fy * 1.65 / np.maximum(np.arange(SIZE[1]) - CAMERA.cy, 1)  # [m] of the picture's rows
 
 
 def seen(road_grey, paint_grey, noise=0.0, line=SOLID):
-    """At which of S a line 1.75 m to the right is legible, of these grey levels (by row, if arrays)."""
+    """At which of S a line 1.75 m to the right is visible, of these grey levels (by row, if arrays)."""
     picture = np.empty((SIZE[1], SIZE[0]))
     picture[:] = np.reshape(road_grey, (-1, 1))
     edges = CAMERA.cx + CAMERA.fx * np.array([[1.75 - line.width / 2], [1.75 + line.width / 2]]) / DEPTHS
@@ -34,7 +34,7 @@ def seen(road_grey, paint_grey, noise=0.0, line=SOLID):
     picture = np.where(paint, np.reshape(paint_grey, (-1, 1)), picture)
     picture += noise * np.random.default_rng(0).standard_normal(picture.shape)
     image = np.repeat(np.rint(np.clip(picture, 0, 255)).astype(np.uint8)[..., None], 3, axis=2)
-    return legible(image, VIEW, (1.75, line), S, np.ones(len(S), bool))
+    return visible_paint(image, VIEW, (1.75, line), S, np.ones(len(S), bool))
 
 
 @pytest.mark.parametrize(
@@ -68,16 +68,16 @@ def test_an_edge_is_no_line():
     picture[:, :, :] = np.where(
         np.arange(SIZE[0])[None, :, None] >= (CAMERA.cx + CAMERA.fx * 1.675 / DEPTHS)[:, None, None], 200, 100
     )
-    assert not legible(picture, VIEW, (1.75, SOLID), S, np.ones(len(S), bool)).any()
+    assert not visible_paint(picture, VIEW, (1.75, SOLID), S, np.ones(len(S), bool)).any()
 
 
 def test_what_is_hidden_is_not_seen():
     picture = np.full((SIZE[1], SIZE[0], 3), 100, np.uint8)
-    assert not legible(picture, VIEW, (1.75, SOLID), S, np.zeros(len(S), bool)).any()
+    assert not visible_paint(picture, VIEW, (1.75, SOLID), S, np.zeros(len(S), bool)).any()
 
 
 def labels_of(road, light=None, things=(), sensor=None):
-    view = replace(VIEW, course=FrenetLine(road, 100.0))
+    view = replace(VIEW, course=Course(road, 100.0))
     seen_light, surface = render(view, light or Light(), things)
     picture = expose(seen_light, view, sensor or Sensor(), np.random.default_rng(0))
     return lane_labels(view, surface, picture)[0]

@@ -14,9 +14,9 @@ import cv2
 import pytest
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter
-from lane_dp_ros.messages.conversions import lanes_from_ros
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.ros import demo_session as detector_session
+from lane_dp_ros.messages.lanes import lanes_from_ros
+from lane_dp_ros.ros import demo_session
 from lane_dp_ros.tools.demo import FRAMES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -111,7 +111,7 @@ def session_with(python: str, tmp_path, write_stereo_bag, small_pairs, monkeypat
     monkeypatch.setattr(sys, "executable", python)
     log = tmp_path / "log.txt"
     with BagReader(write_stereo_bag(small_pairs)) as reader, BagWriter(tmp_path / "out") as writer:
-        detector_session.run_session(reader, writer, log)
+        demo_session.run_session(reader, writer, log)
 
 
 def script(path: Path, text: str) -> str:
@@ -130,8 +130,8 @@ def test_a_node_that_ends_early_is_told(tmp_path, write_stereo_bag, small_pairs,
 def test_a_node_that_does_not_come_up_is_told(tmp_path, write_stereo_bag, small_pairs, monkeypatch) -> None:
     pid_file = tmp_path / "pid"
     python = script(tmp_path / "hangs", f"echo $$ > {pid_file}; trap '' INT; while :; do sleep 0.1; done")
-    monkeypatch.setattr(detector_session, "START_TIMEOUT", 1.0)
-    monkeypatch.setattr(detector_session, "STOP_TIMEOUT", 0.5)
+    monkeypatch.setattr(demo_session, "START_TIMEOUT", 1.0)
+    monkeypatch.setattr(demo_session, "STOP_TIMEOUT", 0.5)
     with pytest.raises(CommandError, match="lane_detector did not come up within 1 s"):
         session_with(python, tmp_path, write_stereo_bag, small_pairs, monkeypatch)
     assert not Path("/proc", pid_file.read_text().strip()).exists()

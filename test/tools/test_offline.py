@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter, bag_message
-from lane_dp_ros.messages.conversions import image_from_ros, lanes_from_ros
+from lane_dp_ros.messages.image import image_from_ros
+from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
 

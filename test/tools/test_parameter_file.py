@@ -16,7 +16,8 @@ from lane_dp_ros.core.parameter import Parameter, replaced
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import all_parameters
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
-from lane_dp_ros.tools.cli import dumped_config, main
+from lane_dp_ros.tools.cli import main
+from lane_dp_ros.tools.cli.dump_config import dumped_config
 from lane_dp_ros.tools.offline import load_config
 from lane_dp_ros.tools.parameter_file import parameter_file, read_parameter_file
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-
-from lane_dp_ros.core.lane import Lane
 from lane_dp_ros.tools.answers import FrameAnswer
 from lane_dp_ros.tools.bag import BagReader
 from lane_dp_ros.tools.errors import CommandError
+
+from lane_dp_ros.core.types import Lane
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 

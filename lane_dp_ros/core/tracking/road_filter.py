@@ -109,7 +109,7 @@ class RoadFilter:
         held = None if self._held is None else surface_of(nominal, self._held.values)
 
         def gate(measured: RoadSurface | None) -> RoadEstimate:
-            """Return the measured surface unless it contradicts the held one; else that, or the nominal one."""
+            """Return the measured surface unless it contradicts the held one; else that or the nominal."""
             reason = "" if measured is None else self._contradiction(geometry(measured))
             if measured is not None and not reason:
                 return RoadEstimate(measured, "measured")

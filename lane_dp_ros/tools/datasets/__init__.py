@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Public data sets as bags."""
+"""Public data sets: their folders read, and written as bags."""

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.stereo_bag import StereoImages
 
 PAIR_SPACING = 2_000_000_000  # ns between single pairs: more than the 1 s after which the node forgets
 GRAY, COLOUR = (0, 1), (2, 3)  # numbers of KITTI's left and right cameras
@@ -33,14 +33,6 @@ class StereoSequence:
 
     def __len__(self) -> int:
         return len(self.left)
-
-
-class StereoImages(NamedTuple):
-    """One pair, uint8, (H, W) gray or (H, W, 3) BGR, with the left image's stamp."""
-
-    stamp_ns: int
-    left: NDArray[np.uint8]
-    right: NDArray[np.uint8]
 
 
 def read_odometry(folder: Path) -> StereoSequence:

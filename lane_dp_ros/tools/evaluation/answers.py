@@ -20,15 +20,16 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import camera_from_ros, lanes_from_ros
+from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import CAPACITY, IMAGES, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.offline import answered
 from lane_dp_ros.tools.parallel import parallel_map
+from lane_dp_ros.tools.progress import progress
 
 Image8 = NDArray[np.uint8]
 Detect = Callable[[Image8, Image8, StereoCamera], tuple[tuple[Lane, ...], float]]  # lanes, seconds

@@ -1,16 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""lane_dp evaluate: judge the lanes of a bag or of a folder of images, and say how good they are."""
+"""Judge the lanes of a bag or of a folder of images by labels."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from lane_dp_ros.core.config import PRESETS, DetectorConfig
+from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
@@ -26,17 +25,8 @@ from lane_dp_ros.tools.evaluation.answers import (
 )
 from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
 from lane_dp_ros.tools.evaluation.scores import FrameScore
-from lane_dp_ros.tools.evaluation.summary import summarise
-from lane_dp_ros.tools.evaluation.text import (
-    THRESHOLDS,
-    check_json_output,
-    missed_thresholds,
-    tables,
-    write_json,
-)
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame, load_truth
 from lane_dp_ros.tools.offline import load_config
-from lane_dp_ros.tools.report import check_report_output, write_report
 
 SCENES_BAG, SCENES_TRUTH = "scenes.mcap", "truth.json"  # what `lane_dp scenes` writes into its folder
 NOTHING_FOUND = FrameAnswer(())
@@ -161,75 +151,3 @@ def _judged(frame: LabelledFrame, answer: FrameAnswer) -> FrameScore:
 
 def _span(stamps: Sequence[int] | frozenset[int] | dict[int, LabelledFrame]) -> str:
     return f"{min(stamps) / 1e9:.3f} to {max(stamps) / 1e9:.3f} s"
-
-
-def add_command(commands: argparse._SubParsersAction) -> argparse.ArgumentParser:
-    """Add `evaluate`, but for --jobs, to the commands of lane_dp."""
-    text = (
-        "judge lanes by labels and print the paper's table: those in a bag, or detected in its images first"
-    )
-    epilog = (
-        "A bag that carries lanes is judged as recorded. Exit code 1 when a --min... or --max... is missed."
-    )
-    command = commands.add_parser("evaluate", help=text, description=text, epilog=epilog)
-    add_arguments(command)
-    command.add_argument("--preset", choices=PRESETS, help="to detect with, default: default")
-    command.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file to detect with")
-    command.set_defaults(command=_evaluate)
-    return command
-
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Add what says which frames to judge, by what, and where the numbers go: the arguments of `run`."""
-    command.add_argument(
-        "input", type=Path, metavar="BAG_OR_DIR", help="bag, folder of images, or what lane_dp scenes wrote"
-    )
-    truth = command.add_mutually_exclusive_group()
-    truth.add_argument("--truth", type=Path, metavar="FILE", help="the labels, see docs/truth_format.md")
-    truth.add_argument("--unpainted", action="store_true", help="no frame of the bag has any paint")
-    command.add_argument(
-        "--json", type=Path, metavar="FILE", help="write all numbers, see docs/evaluation.md"
-    )
-    command.add_argument(
-        "--report", type=Path, metavar="DIR", help="write a page with tables, curves and frames"
-    )
-    for threshold in THRESHOLDS:
-        word = "smallest" if threshold.is_lower else "largest"
-        command.add_argument(
-            threshold.option, type=_limit, metavar="X", help=f"{word} {threshold.name} to accept"
-        )
-
-
-def _evaluate(arguments: argparse.Namespace) -> None:
-    run(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs))
-
-
-def _limit(text: str) -> float:
-    value = float(text)
-    if not 0 <= value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not a number >= 0")
-    return value
-
-
-def run(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
-    """Judge, print, write; raise CommandError when a threshold is missed."""
-    if arguments.json is not None:
-        check_json_output(arguments.json)
-    if arguments.report is not None:
-        check_report_output(arguments.report)
-    if arguments.unpainted:
-        evaluation = evaluate_unpainted(arguments.input, choice)
-    else:
-        evaluation = evaluate_path(arguments.input, arguments.truth, choice)
-    print(tables(evaluation.results))
-    for note in evaluation.notes:
-        print(f"note: {note}")
-    if arguments.json is not None:
-        write_json(evaluation.results, evaluation.notes, arguments.json)
-    if arguments.report is not None:
-        config = choice.load()[1] if choice.given else None
-        page = write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)
-        print(f"report: {page}")
-    limits = {t.option: getattr(arguments, t.option.lstrip("-").replace("-", "_")) for t in THRESHOLDS}
-    if missed := missed_thresholds(summarise(evaluation.results), limits):
-        raise CommandError(missed)

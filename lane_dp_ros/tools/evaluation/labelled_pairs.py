@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import stereo_images_from_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import stereo_images_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync

@@ -63,7 +63,9 @@ def judge(
         incorrect=tuple(label.id for label in failed if label.id in meant),
         missed=tuple(label.id for label in failed if label.id not in meant),
         latency=latency,
-        **_literature(frame, [uv for uv, line in zip(pixels, lines, strict=True) if _is_asked(frame, line)]),
+        **_tusimple_culane(
+            frame, [uv for uv, line in zip(pixels, lines, strict=True) if _is_asked(frame, line)]
+        ),
     )
 
 
@@ -147,7 +149,7 @@ def _in_image(lane: Lane, camera: StereoCamera) -> Floats:
     return camera.project(points[points[:, 2] + camera.left_translation[2] > 0])
 
 
-def _literature(frame: LabelledFrame, pixels: Sequence[Floats]) -> dict[str, Any]:
+def _tusimple_culane(frame: LabelledFrame, pixels: Sequence[Floats]) -> dict[str, Any]:
     """Return what TuSimple and CULane say of lines (N, 2) in the image; labels are the painted, sure ones."""
     labels = [label.uv for label in frame.labels if label.painted and label.sure]
     rows = tusimple_rows(frame.size[1], frame.camera.cy)
@@ -155,7 +157,7 @@ def _literature(frame: LabelledFrame, pixels: Sequence[Floats]) -> dict[str, Any
 
 
 def _is_asked(frame: LabelledFrame, line: Floats) -> bool:
-    """Whether the literature's measures get to see a line: they know no labels that need not be found."""
+    """Whether TuSimple's and CULane's measures get a line: they know no labels that need not be found."""
     wanted = [label for label in frame.labels if label.painted and label.sure]
     others = [label for label in frame.labels if not (label.painted and label.sure)]
     return _nearest(wanted, line) <= DUPLICATE_DISTANCE or _nearest(others, line) > DUPLICATE_DISTANCE

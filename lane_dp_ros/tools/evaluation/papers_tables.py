@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from lane_dp_ros.tools.evaluation.scores import Summary
+from lane_dp_ros.tools.evaluation.summary import Summary
 
 
 class Published(NamedTuple):

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What judging gives: a FrameScore for each frame, and the Summary of any set of frames."""
+"""What judging gives for each frame: the FrameScore, with the verdict on every detected line."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -118,98 +118,3 @@ class FrameScore:
     def confidences(self) -> tuple[tuple[float, bool], ...]:
         """For each detection, its confidence and whether it was right (neither false nor a duplicate)."""
         return tuple((d.lane.confidence, not d.wrong) for d in self.detections)
-
-
-@dataclass(frozen=True)
-class Summary:
-    """Counts and sums over any number of frames; summaries add up.
-
-    `id_chances` is how often an id could have switched. Ratios and means are nan where there is nothing to
-    count.
-    """
-
-    frames: int = 0
-    ego_labels: int = 0
-    incorrect: int = 0
-    missed: int = 0
-    labels: int = 0
-    matched: int = 0
-    detections: int = 0
-    false_lanes: int = 0
-    duplicates: int = 0
-    error_sum: float = 0.0
-    near_sum: float = 0.0
-    near_matches: int = 0
-    far_sum: float = 0.0
-    far_matches: int = 0
-    id_switches: int = 0
-    id_chances: int = 0
-    jitter_sum: float = 0.0
-    label_jitter_sum: float = 0.0
-    jitter_windows: int = 0
-    latencies: tuple[float, ...] = ()
-    tusimple: TuSimple = field(default_factory=TuSimple)
-    culane: CULane = field(default_factory=CULane)
-
-    def __add__(self, other: Summary) -> Summary:
-        names = [each.name for each in fields(self)]
-        return Summary(*(getattr(self, name) + getattr(other, name) for name in names))
-
-    @property
-    def paper_precision(self) -> float:
-        """(N - incorrect - missed) / N over the painted, sure ego lines: the paper's Tables II and III."""
-        return _ratio(self.ego_labels - self.incorrect - self.missed, self.ego_labels)
-
-    @property
-    def lane_recall(self) -> float:
-        """Share of the painted, sure labels that were found."""
-        return _ratio(self.matched, self.labels)
-
-    @property
-    def detection_precision(self) -> float:
-        """Share of the detections that are neither false lanes nor duplicates."""
-        return _ratio(self.detections - self.false_lanes - self.duplicates, self.detections)
-
-    @property
-    def false_lanes_per_frame(self) -> float:
-        """False lanes per frame."""
-        return _ratio(self.false_lanes, self.frames)
-
-    @property
-    def localisation_error(self) -> float:
-        """Mean lateral error [m] of the matches."""
-        return _ratio(self.error_sum, self.matched)
-
-    @property
-    def near_error(self) -> float:
-        """Mean lateral error [m] of the matches from 6 to 12 m of depth."""
-        return _ratio(self.near_sum, self.near_matches)
-
-    @property
-    def far_error(self) -> float:
-        """Mean lateral error [m] of the matches from 12 to 25 m of depth."""
-        return _ratio(self.far_sum, self.far_matches)
-
-    @property
-    def jitter(self) -> float:
-        """Mean standard deviation [m] of the lateral position at 10 m about a straight line over 5 frames."""
-        return _ratio(self.jitter_sum, self.jitter_windows)
-
-    @property
-    def label_jitter(self) -> float:
-        """The same of the labels themselves: what a perfect detector's jitter would be."""
-        return _ratio(self.label_jitter_sum, self.jitter_windows)
-
-    @property
-    def latency(self) -> float:
-        """Mean latency [s] of the frames whose latency is known."""
-        return _ratio(sum(self.latencies), len(self.latencies))
-
-    @property
-    def latency_95(self) -> float:
-        """95th percentile [s] of the latencies that are known."""
-        return float(np.percentile(self.latencies, 95)) if self.latencies else float("nan")
-
-
-def _ratio(part: float, whole: float) -> float:
-    return part / whole if whole else float("nan")

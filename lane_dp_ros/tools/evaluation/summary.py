@@ -1,24 +1,112 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Add judged frames up: by sequence, by category, and what is seen only from frame to frame."""
+"""The sum of judged frames: of any set of them, by sequence, by category."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from dataclasses import dataclass, field, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lane_dp_ros.tools.evaluation.scores import FrameScore, Match, Summary
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.stability import JITTER_FRAMES, id_switches, jitters
 from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
 
-MEMORY_NS = (
-    1_000_000_000  # after a longer gap the node has forgotten its lines: nothing is compared across it
-)
-JITTER_FRAMES = 5
 
-Floats = NDArray[np.floating[Any]]
+@dataclass(frozen=True)
+class Summary:
+    """Counts and sums over any number of frames; summaries add up.
+
+    `id_chances` is how often an id could have switched. Ratios and means are nan where there is nothing to
+    count.
+    """
+
+    frames: int = 0
+    ego_labels: int = 0
+    incorrect: int = 0
+    missed: int = 0
+    labels: int = 0
+    matched: int = 0
+    detections: int = 0
+    false_lanes: int = 0
+    duplicates: int = 0
+    error_sum: float = 0.0
+    near_sum: float = 0.0
+    near_matches: int = 0
+    far_sum: float = 0.0
+    far_matches: int = 0
+    id_switches: int = 0
+    id_chances: int = 0
+    jitter_sum: float = 0.0
+    label_jitter_sum: float = 0.0
+    jitter_windows: int = 0
+    latencies: tuple[float, ...] = ()
+    tusimple: TuSimple = field(default_factory=TuSimple)
+    culane: CULane = field(default_factory=CULane)
+
+    def __add__(self, other: Summary) -> Summary:
+        names = [each.name for each in fields(self)]
+        return Summary(*(getattr(self, name) + getattr(other, name) for name in names))
+
+    @property
+    def paper_precision(self) -> float:
+        """(N - incorrect - missed) / N over the painted, sure ego lines: the paper's Tables II and III."""
+        return _ratio(self.ego_labels - self.incorrect - self.missed, self.ego_labels)
+
+    @property
+    def lane_recall(self) -> float:
+        """Share of the painted, sure labels that were found."""
+        return _ratio(self.matched, self.labels)
+
+    @property
+    def detection_precision(self) -> float:
+        """Share of the detections that are neither false lanes nor duplicates."""
+        return _ratio(self.detections - self.false_lanes - self.duplicates, self.detections)
+
+    @property
+    def false_lanes_per_frame(self) -> float:
+        """False lanes per frame."""
+        return _ratio(self.false_lanes, self.frames)
+
+    @property
+    def localisation_error(self) -> float:
+        """Mean lateral error [m] of the matches."""
+        return _ratio(self.error_sum, self.matched)
+
+    @property
+    def near_error(self) -> float:
+        """Mean lateral error [m] of the matches from 6 to 12 m of depth."""
+        return _ratio(self.near_sum, self.near_matches)
+
+    @property
+    def far_error(self) -> float:
+        """Mean lateral error [m] of the matches from 12 to 25 m of depth."""
+        return _ratio(self.far_sum, self.far_matches)
+
+    @property
+    def jitter(self) -> float:
+        """Mean standard deviation [m] of the lateral position at 10 m about a straight line over 5 frames."""
+        return _ratio(self.jitter_sum, self.jitter_windows)
+
+    @property
+    def label_jitter(self) -> float:
+        """The same of the labels themselves: what a perfect detector's jitter would be."""
+        return _ratio(self.label_jitter_sum, self.jitter_windows)
+
+    @property
+    def latency(self) -> float:
+        """Mean latency [s] of the frames whose latency is known."""
+        return _ratio(sum(self.latencies), len(self.latencies))
+
+    @property
+    def latency_95(self) -> float:
+        """95th percentile [s] of the latencies that are known."""
+        return float(np.percentile(self.latencies, 95)) if self.latencies else float("nan")
+
+
+def _ratio(part: float, whole: float) -> float:
+    return part / whole if whole else float("nan")
 
 
 def summarise(results: Iterable[FrameScore]) -> Summary:
@@ -73,8 +161,8 @@ def _of_sequence(results: Iterable[FrameScore]) -> Summary:
     """Return what a sequence shows from frame to frame: id switches and jitter. Frames need stamps for it."""
     frames = sorted((r for r in results if r.stamp_ns is not None), key=lambda r: r.stamp_ns or 0)
     windows = [frames[i : i + JITTER_FRAMES] for i in range(len(frames) - JITTER_FRAMES + 1)]
-    switches = _id_switches(frames)
-    jitter = [pair for window in windows for pair in _jitters(window)]
+    switches = id_switches(frames)
+    jitter = [pair for window in windows for pair in jitters(window)]
     return Summary(
         id_switches=sum(switches),
         id_chances=len(switches),
@@ -82,41 +170,3 @@ def _of_sequence(results: Iterable[FrameScore]) -> Summary:
         label_jitter_sum=sum(true for _, true in jitter),
         jitter_windows=len(jitter),
     )
-
-
-def _id_switches(frames: Iterable[FrameScore]) -> list[bool]:
-    """Return, for each time that a label is found again within 1 s, whether it is under another id."""
-    last: dict[str, tuple[int, int]] = {}
-    switches = []
-    for frame in frames:
-        for match in frame.found:
-            identity, stamp_ns = frame.detections[match.detection].lane.id, frame.stamp_ns or 0
-            if match.label in last and stamp_ns - last[match.label][1] <= MEMORY_NS:
-                switches.append(last[match.label][0] != identity)
-            last[match.label] = identity, stamp_ns
-    return switches
-
-
-def _jitters(window: Sequence[FrameScore]) -> list[tuple[float, float]]:
-    """Return, for each label found at 10 m in all frames of the window, the jitter of detection and label."""
-    stamps = np.array([frame.stamp_ns for frame in window], dtype=np.int64)
-    if stamps[-1] - stamps[0] > MEMORY_NS:
-        return []
-    matches = [{m.label: m for m in frame.found if m.position is not None} for frame in window]
-    common = sorted(set(matches[0]).intersection(*matches[1:]))
-    seconds = (stamps - stamps[0]) / 1e9
-    return [_jitter([by_label[label] for by_label in matches], seconds) for label in common]
-
-
-def _jitter(matches: Sequence[Match], seconds: Floats) -> tuple[float, float]:
-    """Return the standard deviations [m] of detection and label at 10 m about their straight lines."""
-    positions = np.array([[m.position, m.label_position] for m in matches], dtype=np.float64)
-    detected, true = deviations(positions, seconds)
-    return float(detected), float(true)
-
-
-def deviations(positions: Floats, seconds: Floats) -> Floats:
-    """Return the standard deviations (M,) [m] of positions (N, M) [m] about straight lines over N seconds."""
-    line = np.column_stack([np.ones_like(seconds), seconds])
-    residuals = positions - line @ np.linalg.lstsq(line, positions, rcond=None)[0]
-    return residuals.std(axis=0)

@@ -14,8 +14,8 @@ from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.report.failures import Kind, failures, is_papers
+from lane_dp_ros.tools.report.frame_images import FrameImages
 from lane_dp_ros.tools.report.pictures import LANE_STATES, label_state, pictures
-from lane_dp_ros.tools.report.sights import Sight
 
 ALONG = 0.35  # m; a path that is no farther from a label on average runs along it
 
@@ -28,14 +28,14 @@ BADGES: dict[Kind, str] = {
 }
 
 
-def card(place: int, result: FrameScore, frame: LabelledFrame | None, sight: Sight) -> str:
+def card(place: int, result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:
     """Return the card of a frame as HTML; `place` is its number among the worst."""
-    note = f'<p class="note">{escape(sight.note)}</p>' if sight.note else ""
+    note = f'<p class="note">{escape(images.note)}</p>' if images.note else ""
     return (
         f'<article class="frame" id="frame-{place}"><header><h3>{place}. {escape(result.name)}</h3>'
         f"{_badges(result)}</header>{note}"
-        f'<div class="pictures">{pictures(result, frame, sight)}'
-        f'<div class="words">{_labels(result, frame, sight.detection)}{_lanes(result)}</div></div></article>'
+        f'<div class="pictures">{pictures(result, frame, images)}'
+        f'<div class="words">{_labels(result, frame, images.detection)}{_lanes(result)}</div></div></article>'
     )
 
 

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.messages.conversions import Image8
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import Image8
 
 Floats = NDArray[np.float64]
 

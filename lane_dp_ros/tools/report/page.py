@@ -14,14 +14,14 @@ from string import Template
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.progress import progress
 from lane_dp_ros.tools.report.cards import card
 from lane_dp_ros.tools.report.failures import failures, worst_first
+from lane_dp_ros.tools.report.frame_images import frame_images
 from lane_dp_ros.tools.report.plots import plots
-from lane_dp_ros.tools.report.sights import sights
 from lane_dp_ros.tools.report.tables import reasons, tables, tiles
 
 PAGE = "index.html"
@@ -48,10 +48,10 @@ def write_report(
     worst = [(result, truth.get(result.name)) for result in worst_first(results)[:GALLERY]]
     places = {result.name: place for place, (result, _) in enumerate(worst, 1)}
     cards: dict[int, str] = {}
-    found = sights(source, worst, config or DetectorConfig())
-    for (result, frame), sight in progress(found, len(worst), "frame"):
+    found = frame_images(source, worst, config or DetectorConfig())
+    for (result, frame), images in progress(found, len(worst), "frame"):
         place = places[result.name]
-        cards[place] = card(place, result, frame, sight)
+        cards[place] = card(place, result, frame, images)
     parameters = "the detector's default parameters" if config is None else "the parameters given"
     page = _page(results, source, [cards[place] for place in sorted(cards)], parameters)
     return _write(page, directory)

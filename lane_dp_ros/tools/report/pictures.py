@@ -15,11 +15,11 @@ from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lanes.candidate import LanePath
-from lane_dp_ros.messages.conversions import Image8
+from lane_dp_ros.messages.image import Image8
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.report.figure import Line, data_uri, figure
-from lane_dp_ros.tools.report.sights import Sight
+from lane_dp_ros.tools.report.frame_images import FrameImages
 
 Floats = NDArray[np.float64]
 
@@ -47,19 +47,19 @@ def label_state(label: Label, result: FrameScore) -> str:
     return "not-found" if label.id in result.labels else "not-judged"
 
 
-def pictures(result: FrameScore, frame: LabelledFrame | None, sight: Sight) -> str:
+def pictures(result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:
     """Return the frame's pictures as HTML: the left image, the road from above, the cost with its paths.
 
     Where there is no view from above, labels and lines are drawn without one.
     """
-    camera = sight.camera or (frame.camera if frame else None)
-    if sight.left is None or camera is None:
+    camera = images.camera or (frame.camera if frame else None)
+    if images.left is None or camera is None:
         return _plan(result, frame)
     lines = image_lines(result, frame, camera)
-    left = _left_picture(sight.left, lines)
-    if sight.detection is None or sight.detection.birds_eye is None:
+    left = _left_picture(images.left, lines)
+    if images.detection is None or images.detection.birds_eye is None:
         return left + _plan(result, frame)
-    return left + "".join(_views_from_above(sight.left, sight.detection, lines))
+    return left + "".join(_views_from_above(images.left, images.detection, lines))
 
 
 def image_lines(result: FrameScore, frame: LabelledFrame | None, camera: StereoCamera) -> list[Line]:

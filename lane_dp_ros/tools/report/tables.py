@@ -9,8 +9,8 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from lane_dp_ros.tools.evaluation.scores import FrameScore, Summary
-from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
 from lane_dp_ros.tools.evaluation.text import COLUMNS, Column, cell
 from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
 
@@ -41,13 +41,13 @@ def tiles(total: Summary) -> str:
 
 
 def tables(results: Sequence[FrameScore]) -> str:
-    """Return the paper's table, today's numbers and the literature's, by sequence and by category."""
+    """Return the paper's table, today's numbers, TuSimple's and CULane's, by sequence and by category."""
     sequences, categories = by_sequence(results), by_category(results)
     parts = [_paper_and_today("sequence", sequences)]
     if len(categories) > 1 and categories != sequences:
         parts.append(_paper_and_today("category", categories))
     if sequences["total"].tusimple.frames:
-        parts.append(_literature(sequences))
+        parts.append(_tusimple_culane(sequences))
     return "".join(parts)
 
 
@@ -64,7 +64,7 @@ def _paper_and_today(title: str, summaries: Mapping[str, Summary]) -> str:
     )
 
 
-def _literature(summaries: Mapping[str, Summary]) -> str:
+def _tusimple_culane(summaries: Mapping[str, Summary]) -> str:
     heads = ["TuSimple\naccuracy", "FP", "FN", "CULane\nF1", "TP", "FP", "FN"]
     rows = {
         name: [

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
-from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes import axis_refinement as turned_axis
 from lane_dp_ros.core.lanes import selection as lane_selection
-from lane_dp_ros.core.lanes.path_search import SLOPE_COST
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.path_search import SLOPE_COST
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
+from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 
 SELECTION, LIMITS = LaneSelectionConfig(), VanishingPointConfig()
 PAINT = LaneEvidence(

@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes import selection as lane_selection
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 
 CENTRE = 1.025  # m
 LIMITS = LaneSelectionConfig()

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.types import ego_roles
-from lane_dp_ros.core.lanes.lifting import to_lanes
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.lifting import to_lanes
+from lane_dp_ros.core.types import ego_roles
 
 AXES = {"straight": RoadAxis(), "right bend": RoadAxis(-0.1, 0.05), "left bend": RoadAxis(0.1, -0.05)}
 CAMERA_HEIGHT = 1.65  # m, of painted roads

@@ -7,12 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lanes.line_fit import LaneModelConfig
-from lane_dp_ros.core.lanes.path_search import PathSearchConfig
 from lane_dp_ros.core.config import preset
-from lane_dp_ros.core.lanes.line_fit import fit_line
-from lane_dp_ros.core.lanes.path_search import find_paths
 from lane_dp_ros.core.lanes.candidate import LanePath
+from lane_dp_ros.core.lanes.line_fit import LaneModelConfig, fit_line
+from lane_dp_ros.core.lanes.path_search import PathSearchConfig, find_paths
 
 CUBIC, PARABOLA = LaneModelConfig(), preset("paper").lane_model
 MODELS = pytest.mark.parametrize("config", [CUBIC, PARABOLA], ids=["cubic", "parabola"])

@@ -10,9 +10,9 @@ import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.types import Lane
-from lane_dp_ros.core.lanes.mono_fallback import DOUBTED, trusted, without_heights
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.mono_fallback import DOUBTED, trusted, without_heights
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
 from lane_dp_ros.scenes.road import SOLID, UNPAINTED
 

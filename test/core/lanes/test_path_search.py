@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lanes.path_search import PathSearchConfig
-from lane_dp_ros.core.config import preset
-from lane_dp_ros.core.lanes.path_search import find_paths
 from lane_dp_ros.core.birdseye.paint_map import PaintMap
+from lane_dp_ros.core.config import preset
+from lane_dp_ros.core.lanes.path_search import PathSearchConfig, find_paths
 
 METRES = (0.5, 0.1)  # per row and column
 PAPER = replace(preset("paper").path_search, suppression=0.5)  # 5 columns

@@ -6,13 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
-from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes import evidence as lane_evidence
-from lane_dp_ros.core.lanes.plane_sweep import FAR, HEIGHTS, LineHeights, line_heights
 from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.plane_sweep import FAR, HEIGHTS, LineHeights, line_heights
 from lane_dp_ros.core.types import StereoFrame
 
 pytestmark = pytest.mark.filterwarnings("error")

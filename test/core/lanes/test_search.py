@@ -4,11 +4,11 @@
 
 import numpy as np
 import pytest
+from lane_dp_ros.core.lanes.search import LaneSearch, search_lanes
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.lanes.search import LaneSearch, search_lanes
 from lane_dp_ros.core.lanes.selection import OFF_PAINT_FRACTION_MAX
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.stopwatch import Stopwatch

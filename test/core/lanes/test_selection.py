@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes import selection as lane_selection
-from lane_dp_ros.core.lanes.selection import is_paint, lateral_gap, select_lanes
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.selection import LaneSelectionConfig, is_paint, lateral_gap, select_lanes
 
 CONFIG = LaneSelectionConfig()
 GOOD = LaneEvidence(

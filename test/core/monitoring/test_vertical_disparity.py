@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.road.disparity import DisparityConfig
 from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
-from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")

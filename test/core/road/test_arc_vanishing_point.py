@@ -4,15 +4,12 @@
 
 import numpy as np
 import pytest
+from lane_dp_ros.core.road.arc_vanishing_point import road_axis
 
-from lane_dp_ros.core.road.disparity import DisparityConfig
-from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.arc_vanishing_point import road_axis
-from lane_dp_ros.core.road.disparity import dense_disparity
-from lane_dp_ros.core.road.edge_pixels import edge_pixels
-from lane_dp_ros.core.road.edge_pixels import EdgePixels
+from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
+from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")

@@ -10,11 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.road.disparity import DisparityConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import parameters
-from lane_dp_ros.core.road.disparity import dense_disparity
+from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")

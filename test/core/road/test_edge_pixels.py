@@ -8,7 +8,7 @@ import pytest
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.edge_pixels import MAX_EDGES, MAX_LENGTH, edge_pixels
+from lane_dp_ros.core.road.edge_pixels import MAX_EDGES, MAX_LENGTH
 
 pytestmark = pytest.mark.filterwarnings("error")
 

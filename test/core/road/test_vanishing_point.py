@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.edge_pixels import edge_pixels
 from lane_dp_ros.core.road.vanishing_point import dense_vanishing_point, pitch_and_yaw, vanishing_point_of
 from lane_dp_ros.core.types import VanishingPoint
 

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.tracking.tracker import LaneTracker
+from lane_dp_ros.core.types import Lane
 
 FRAME = 100_000_000  # ns: 10 Hz
 START = 1_316_533_000_000_000_000  # ns, a stamp of KITTI's September 2011

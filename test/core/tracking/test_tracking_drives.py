@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.tracking.tracker import TrackingConfig
+from lane_dp_ros.core.tracking.tracker import LaneTracker, TrackingConfig
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.core.tracking.tracker import LaneTracker
 
 FRAME = 100_000_000  # ns: 10 Hz
 STEP = 1.5  # m a frame: 15 m/s

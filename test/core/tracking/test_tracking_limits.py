@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.tracking.tracker import LaneTracker
+from lane_dp_ros.core.types import Lane
 
 FRAME = 100_000_000  # ns
 

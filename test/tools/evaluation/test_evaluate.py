@@ -12,10 +12,10 @@ import pytest
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
-from lane_dp_ros.messages.conversions import lanes_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros
+from lane_dp_ros.messages.stamp import stamp_to_ros
 from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.datasets.convert import time_message
 from lane_dp_ros.tools.evaluation.truth_file import Label, LabelledFrame, save_truth
 
 HEIGHT = 1.65
@@ -63,12 +63,12 @@ def write_lanes(tmp_path):
     def write(lanes_by_stamp, name="lanes", image_stamps=(), change=lambda message: message):
         with BagWriter(tmp_path / name) as writer:
             for ns in image_stamps:
-                header = bag_message("std_msgs/msg/Header", stamp=time_message(ns))
+                header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(ns, bag_message))
                 image = bag_message("sensor_msgs/msg/Image", header=header)
                 writer.write("/car/left/image_rect", ns + 7, image)
                 writer.write("/car/right/image_rect", ns + 9, image)
             for ns, lanes in lanes_by_stamp.items():
-                header = bag_message("std_msgs/msg/Header", stamp=time_message(ns))
+                header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(ns, bag_message))
                 message = change(lanes_to_ros(lanes, header, bag_message, 0.3))
                 writer.write("/car/lanes", ns + 9 + 30_000_000, message)
         return tmp_path / name
@@ -245,7 +245,7 @@ def test_bags_that_have_nothing_to_judge(tmp_path, truth, capsys):
 
 
 def test_two_topics_of_lanes(tmp_path, truth, capsys):
-    header = bag_message("std_msgs/msg/Header", stamp=time_message(STAMPS[0]))
+    header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(STAMPS[0], bag_message))
     with BagWriter(tmp_path / "two") as writer:
         for topic in ("/a/lanes", "/b/lanes"):
             writer.write(topic, 1, lanes_to_ros((), header, bag_message, 0.3))

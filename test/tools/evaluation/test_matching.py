@@ -14,8 +14,7 @@ import pytest
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
-from lane_dp_ros.tools.evaluation.scores import Summary
-from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence, summarise
+from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence, summarise
 from lane_dp_ros.tools.evaluation.truth_file import Label, LabelledFrame, load_truth
 
 CAMERA = StereoCamera(700.0, 700.0, 600.0, 180.0, 0.54)
@@ -228,11 +227,11 @@ def numbers(summary):
         "duplicates", "localisation_error", "near_error", "far_error", "id_switches", "jitter",
         "label_jitter", "paper_precision", "lane_recall", "detection_precision",
     ]  # fmt: skip
-    literature = {
+    in_image = {
         "tusimple_accuracy": summary.tusimple.accuracy, "tusimple_fp": summary.tusimple.fp,
         "tusimple_fn": summary.tusimple.fn, "culane_f1": summary.culane.f1,
     }  # fmt: skip
-    return {**{name: getattr(summary, name) for name in names}, **literature}
+    return {**{name: getattr(summary, name) for name in names}, **in_image}
 
 
 def test_perfect_detections_score_one_everywhere():

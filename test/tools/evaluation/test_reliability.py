@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation.json_file import as_json
 from lane_dp_ros.tools.evaluation.reliability import reliability
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
-from lane_dp_ros.tools.evaluation.text import as_json, tables
+from lane_dp_ros.tools.evaluation.text import tables
 
 
 def frame(*lines):

@@ -11,12 +11,12 @@ import pytest
 
 from lane_dp_ros.scenes import CAMERA, Road, render_pair
 from lane_dp_ros.tools.cli import main
+from lane_dp_ros.tools.cli.tables import BASELINE
 from lane_dp_ros.tools.evaluation.detectors import file_detector
 from lane_dp_ros.tools.evaluation.labelled_pairs import load_pairs
 from lane_dp_ros.tools.evaluation.matching import judge
 from lane_dp_ros.tools.evaluation.papers_tables import OURS, papers_tables
-from lane_dp_ros.tools.evaluation.scores import Summary, tables
-from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.truth_file import save_truth
 
 DRIVE = "2011_09_26_drive_0027"
@@ -162,7 +162,7 @@ def test_a_detector_that_is_not_there(folder, capsys) -> None:
 
 
 def test_without_the_source_tree(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(tables, "BASELINE", folder / "not_installed.py")
+    monkeypatch.setattr("lane_dp_ros.tools.cli.tables.BASELINE", folder / "not_installed.py")
     assert main(["tables", str(folder), "--jobs", "1"]) == 0
     out = capsys.readouterr().out
     assert "no baseline: not_installed.py is not installed" in out
@@ -203,7 +203,7 @@ def test_the_total_of_the_five_takes_all_five() -> None:
 
 
 def test_the_baseline_finds_straight_lines() -> None:
-    baseline = file_detector(tables.BASELINE)
+    baseline = file_detector(BASELINE)
     assert "reading" in baseline.name
     pair = render_pair(Road(swing=0.0), position=50.0, seed=3)
     result = judge(pair.truth, baseline.detect(pair.left, pair.right, CAMERA), CAMERA)
@@ -215,11 +215,11 @@ def test_the_baseline_finds_straight_lines() -> None:
 @pytest.mark.parametrize("level", [0, 255])
 def test_the_baseline_finds_nothing_in_nothing(level) -> None:
     image = np.full((375, 1242), level, np.uint8)
-    assert file_detector(tables.BASELINE).detect(image, image, CAMERA) == ()
+    assert file_detector(BASELINE).detect(image, image, CAMERA) == ()
 
 
 def test_the_baseline_is_no_straw_man(kitti_data) -> None:
-    baseline = file_detector(tables.BASELINE)
+    baseline = file_detector(BASELINE)
     _, pairs = load_pairs(kitti_data, kitti_data / "labels/lanes.json")
     results = [
         judge(p.frame, baseline.detect(*p.load(), p.frame.camera), p.frame.camera)

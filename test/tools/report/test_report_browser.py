@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.messages.bag import BagWriter
+from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
 from lane_dp_ros.scenes import CAMERA
-from lane_dp_ros.tools.datasets.convert import StereoBagWriter
-from lane_dp_ros.tools.datasets.kitti import StereoImages
 from lane_dp_ros.tools.report import write_report
 
 WIDTHS = {"desktop": 1280, "phone": 390}

@@ -14,11 +14,11 @@ import pytest
 from lane_dp_ros.core.config import preset
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.messages.bag import BagWriter, bag_message
-from lane_dp_ros.messages.conversions import image_to_ros
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.image import image_to_ros
+from lane_dp_ros.messages.stamp import stamp_to_ros
 from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.datasets.convert import time_message
 from lane_dp_ros.tools.evaluation.annotations import Label
 from lane_dp_ros.tools.evaluation.matching import judge
 from lane_dp_ros.tools.evaluation.summary import by_sequence, summarise
@@ -228,7 +228,7 @@ def test_pictures_of_a_folder(tmp_path, scene_pairs):
 
 def test_the_overlay_of_an_offline_run_is_shown(tmp_path, results, frames):
     with BagWriter(tmp_path / "run") as writer:
-        header = bag_message("std_msgs/msg/Header", stamp=time_message(2))
+        header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(2, bag_message))
         image = image_to_ros(np.full((375, 1242, 3), 90, np.uint8), header, bag_message)
         writer.write("/car/overlay/image", 2, image)
     page = write_report(results, frames, tmp_path / "run", tmp_path / "report").read_text(encoding="utf-8")

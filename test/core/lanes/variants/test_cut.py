@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.lanes import search as lane_search
-from lane_dp_ros.core.lanes.variants.stop_line import JUNCTION
-from lane_dp_ros.core.lanes.variants.stop_line import end_at_stop_line
 from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.variants.stop_line import JUNCTION, end_at_stop_line
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.lanes.path_search import PathSearchConfig
-from lane_dp_ros.core.lanes.variants.extension import DASH_MIN, GAP_MAX
-from lane_dp_ros.core.lanes.variants.extension import extend_line
 from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.path_search import PathSearchConfig
+from lane_dp_ros.core.lanes.variants.extension import DASH_MIN, GAP_MAX, extend_line
 
 N = -1.725  # m
 ROW = 0.25  # m, a row of a drawn road

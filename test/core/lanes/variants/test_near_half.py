@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
 from lane_dp_ros.core.lanes.variants.near_half import near_half
-from lane_dp_ros.core.lanes.candidate import LaneLine
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes.variants.parallel import best_stretches, parallel_lines
-from lane_dp_ros.core.lanes.candidate import LaneLine
 
 CONFIG = LaneSelectionConfig()
 FAINT = 4  # grey levels, as much as the noise

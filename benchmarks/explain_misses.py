@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which single threshold keeps a labelled line from being found.
 
-python benchmarks/what_hinders.py DATA [SUITE] [--jobs N]
+python benchmarks/explain_misses.py DATA [SUITE] [--jobs N]
 DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Where labels are not found, each
 threshold of thresholds.py is set to the lowest and the highest value there, one at a time. Printed is for
 each of these labels with which of them it would be found. With none, several tests speak against it, or the
@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any
 
 from command_line import exit_code, parser_of
-from judged_set import JudgedPair, Judges, kitti_pairs, labelled_pairs
+from study_runner import JudgedPair, Judges, kitti_pairs, labelled_pairs
 from thresholds import THRESHOLDS, changed
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.tools.datasets.convert import progress
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.parallel import available_cpus
+from lane_dp_ros.tools.progress import progress
 
 Change = tuple[DetectorConfig, Mapping[str, Any]]
 

@@ -31,11 +31,10 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.core.lanes import search as lane_search
 from lane_dp_ros.core.parameter import Parameters
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
-from lane_dp_ros.core.types import StereoFrame
+from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.tools.datasets.kitti import read_odometry
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.labelled_pairs import LabelledPair, load_pairs
@@ -52,7 +51,14 @@ CALLERS = lane_detector, lane_search
 # Quick, and full of constants that thresholds.py changes; or they only call functions that remember.
 ALWAYS_RUN = {
     f"{CORE}{module}"
-    for module in ("lane_detector", "lane_search", "lane_selection", "turned_axis", "lanes", "left_alone")
+    for module in (
+        "detector",
+        "lanes.search",
+        "lanes.selection",
+        "lanes.axis_refinement",
+        "lanes.lifting",
+        "lanes.mono_fallback",
+    )
 }
 
 

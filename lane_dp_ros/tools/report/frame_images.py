@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.pipeline import detect_pair
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.conversions import Image8, image_from_ros
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
 from lane_dp_ros.messages.stereo_sync import StereoSync
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
@@ -28,7 +28,7 @@ DRAWN = "overlay/image"  # what `lane_dp run` writes beside its lanes
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class FrameImages:
     """What can be shown of a frame: the left image, and what led the detector to its lanes.
 
     `camera` projects the frame's lanes, None: that of the truth. `note` says why something is not there.
@@ -43,7 +43,9 @@ class Sight:
 Shown = tuple[FrameScore, LabelledFrame | None]
 
 
-def sights(source: Path, shown: Sequence[Shown], config: DetectorConfig) -> Iterator[tuple[Shown, Sight]]:
+def frame_images(
+    source: Path, shown: Sequence[Shown], config: DetectorConfig
+) -> Iterator[tuple[Shown, FrameImages]]:
     """Yield each frame to show with what there is of it, in any order, no more than one at a time.
 
     `source` is what was judged: a bag, a folder that `lane_dp scenes` wrote, or a folder of images. The
@@ -52,31 +54,31 @@ def sights(source: Path, shown: Sequence[Shown], config: DetectorConfig) -> Iter
     if (source / SCENES_BAG).exists():
         source = source / SCENES_BAG
     if source.is_dir() and not (source / "metadata.yaml").exists():
-        yield from ((each, _sight_of_files(source, each[1], config)) for each in shown)
+        yield from ((each, _images_of_files(source, each[1], config)) for each in shown)
     else:
         with BagReader(source) as reader:
-            yield from _sights_of_bag(reader, shown, config)
+            yield from _images_of_bag(reader, shown, config)
 
 
-def _sight_of_files(root: Path, frame: LabelledFrame | None, config: DetectorConfig) -> Sight:
+def _images_of_files(root: Path, frame: LabelledFrame | None, config: DetectorConfig) -> FrameImages:
     if frame is None:
-        return Sight(note="no images: the truth does not name them")
+        return FrameImages(note="no images: the truth does not name them")
     try:
         left, right = read_picture(root / frame.left), read_picture(root / frame.right)
-        return Sight(left, frame.camera, LaneDetector(frame.camera, config).detect(left, right))
+        return FrameImages(left, frame.camera, LaneDetector(frame.camera, config).detect(left, right))
     except (CommandError, ValueError) as error:
-        return Sight(note=f"no images: {one_line(error)}")
+        return FrameImages(note=f"no images: {one_line(error)}")
 
 
-def _sights_of_bag(
+def _images_of_bag(
     reader: BagReader, shown: Sequence[Shown], config: DetectorConfig
-) -> Iterator[tuple[Shown, Sight]]:
+) -> Iterator[tuple[Shown, FrameImages]]:
     missing = {each[0].stamp_ns: each for each in shown}
     find = _pairs if _has_pairs(reader) else _drawn_images
-    for stamp_ns, sight in find(reader, missing.__contains__, config):
-        yield missing.pop(stamp_ns), sight
+    for stamp_ns, images in find(reader, missing.__contains__, config):
+        yield missing.pop(stamp_ns), images
     for each in missing.values():
-        yield each, Sight(note="no images: the bag has none of this frame")
+        yield each, FrameImages(note="no images: the bag has none of this frame")
 
 
 def _has_pairs(reader: BagReader) -> bool:
@@ -89,29 +91,24 @@ def _has_pairs(reader: BagReader) -> bool:
 
 def _pairs(
     reader: BagReader, wanted: Callable[[int], bool], config: DetectorConfig
-) -> Iterator[tuple[int, Sight]]:
-    """Yield stamp [ns] and sight of the stereo pairs that are wanted."""
+) -> Iterator[tuple[int, FrameImages]]:
+    """Yield stamp [ns] and images of the stereo pairs that are wanted."""
     sync = StereoSync(round(NodeConfig().sync_tolerance * 1e9), CAPACITY)
     for bag_pair in read_stereo_pairs(reader, find_stereo_topics(reader), sync):
         if wanted(stamp_ns := bag_pair.pair.stamp_ns):
             try:
                 answer = detect_pair(bag_pair.pair, bag_pair.infos, config)
-                yield stamp_ns, Sight(answer.left, answer.camera, answer.detection, answer.problem)
+                yield stamp_ns, FrameImages(answer.left, answer.camera, answer.detection, answer.problem)
             except ValueError as error:
-                yield stamp_ns, Sight(note=f"no images: {one_line(error)}")
+                yield stamp_ns, FrameImages(note=f"no images: {one_line(error)}")
 
 
 def _drawn_images(
     reader: BagReader, wanted: Callable[[int], bool], _: DetectorConfig
-) -> Iterator[tuple[int, Sight]]:
-    """Yield stamp [ns] and sight of the overlays that `lane_dp run` wrote, lanes in them, where there are."""
+) -> Iterator[tuple[int, FrameImages]]:
+    """Yield stamp [ns] and image of the overlays that `lane_dp run` wrote, lanes in them, where there are."""
     note = "the bag has no stereo pairs: the picture is its overlay, view from above and cost are missing"
     topics = [topic for topic in reader.topics if topic == DRAWN or topic.endswith(f"/{DRAWN}")]
     for _topic, _time_ns, message in reader.messages(topics) if topics else ():
-        if wanted(stamp_ns := _stamp_ns(message)):
-            yield stamp_ns, Sight(image_from_ros(message), note=note)
-
-
-def _stamp_ns(message: Any) -> int:
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+        if wanted(stamp_ns := stamp_from_ros(message.header.stamp)):
+            yield stamp_ns, FrameImages(image_from_ros(message), note=note)

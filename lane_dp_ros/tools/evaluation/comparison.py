@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""lane_dp tables: the paper's two tables, ours and the baseline's measured beside the published numbers."""
+"""Several detectors judged on the same data, beside the paper's published numbers."""
 
 from __future__ import annotations
 
-import argparse
 import re
 import time
 from collections.abc import Iterable, Sequence
@@ -12,12 +11,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from lane_dp_ros.core.config import PRESETS
 from lane_dp_ros.core.tracking.tracker import LaneTracker, TrackingConfig
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.datasets.convert import progress
-from lane_dp_ros.tools.evaluation.detectors import Detector, file_detector, preset_detector
+from lane_dp_ros.tools.evaluation.detectors import Detector
 from lane_dp_ros.tools.evaluation.labelled_pairs import (
     SCENES,
     LabelledPair,
@@ -33,12 +30,8 @@ from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import by_sequence
 from lane_dp_ros.tools.evaluation.text import table
 from lane_dp_ros.tools.parallel import parallel_map
+from lane_dp_ros.tools.progress import progress
 
-BASELINE = Path(__file__).parents[2] / "benchmarks" / "global_vanishing_point.py"  # in the source tree only
-EXPLANATION = """\
-The truth of a drive or bag NAME is NAME.truth.json beside it, as lane_dp review exports it, that of a folder
-truth.json or labels/lanes.json in it. A folder that holds the paper's drives stands for all of them. What the
-detectors find is judged as by lane_dp evaluate."""
 DRIVE = re.compile(r"\d{4}_\d\d_\d\d_drive_\d{4}")
 
 
@@ -114,34 +107,7 @@ def _detect(detectors: Sequence[Detector], pair: LabelledPair) -> list[tuple[tup
     return answers
 
 
-def add_command(commands: argparse._SubParsersAction) -> argparse.ArgumentParser:
-    """Add `tables`, but for --jobs, to the commands of lane_dp."""
-    text = "print the paper's tables: ours, the paper preset and the baseline beside the published numbers"
-    command = commands.add_parser("tables", help=text, description=text, epilog=EXPLANATION)
-    kinds = "KITTI raw drive or a folder of them, bag, folder of lane_dp scenes or of labelled images"
-    command.add_argument("data", type=Path, nargs="+", metavar="DATA", help=kinds)
-    detector = (
-        "Python file of the baseline, with lanes(left, right, camera); default: that of the source tree"
-    )
-    command.add_argument("--detector", type=Path, metavar="FILE", help=detector)
-    command.set_defaults(command=run)
-    return command
-
-
-def run(arguments: argparse.Namespace) -> None:
-    """Judge and print."""
-    detectors = [preset_detector(name) for name in PRESETS]
-    baseline = arguments.detector or BASELINE
-    if arguments.detector or BASELINE.is_file():
-        detectors.append(file_detector(baseline))
-    print(tables_of(arguments.data, detectors, arguments.jobs))
-    if len(detectors) == len(PRESETS):
-        print(
-            f"no baseline: {BASELINE.name} is not installed, name it in the source tree with --detector FILE"
-        )
-
-
-def tables_of(paths: Sequence[Path], detectors: Sequence[Detector], jobs: int) -> str:
+def comparison(paths: Sequence[Path], detectors: Sequence[Detector], jobs: int) -> str:
     """Judge the data at the paths with each detector and return all tables, and what is missing in them."""
     found = find_data(paths)
     results: list[list[FrameScore]] = [[] for _ in detectors]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How good the detector is on a drive that did not take part in choosing its thresholds.
 
-python benchmarks/leave_a_drive_out.py DATA [--suite DIR] [--jobs N]
+python benchmarks/leave_one_drive_out.py DATA [--suite DIR] [--jobs N]
 DATA: the labelled KITTI frames. For each drive, the thresholds of thresholds.py - parameters and constants -
 are chosen on all other drives - as they are, in a mirror and at other exposures, see varied_pairs.py - and
 the drive is judged with them, as it is. --suite: choose on one frame of each category of these scenes, too.
@@ -23,13 +23,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from command_line import KNOWN_ERRORS, exit_code, parser_of
-from judged_set import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs, patched
+from study_runner import UNPAINTED, JudgedPair, Judges, kitti_pairs, labelled_pairs, patched
 from thresholds import THRESHOLDS, changed, shipped
 from varied_pairs import varied
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.evaluation.scores import Summary
-from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.text import COLUMNS_OF_FRAMES, table
 from lane_dp_ros.tools.parallel import available_cpus
 
@@ -183,7 +182,7 @@ def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> 
     for i, (name, grid) in enumerate(THRESHOLDS.items()):
         times = Counter(values[i] for values in chosen.values())
         counts = "  ".join(f"{value:g}: {times[value]}" for value in grid)
-        print(f"{name:34s} {counts}  (default {shipped(name):g})")
+        print(f"{name:40s} {counts}  (default {shipped(name):g})")
 
 
 def main() -> int:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""lane_dp scenes: render roads whose lane lines are known exactly."""
+"""lane_dp scenes: roads rendered whose lane lines are known exactly."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from pathlib import Path
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.scenes.categories import CATEGORIES
 from lane_dp_ros.scenes.suite import BAG, FRAMES, RATE, SUITES, TRUTH, drives, write_drives, write_sheet
+from lane_dp_ros.tools.cli.arguments import add_jobs, count, positive, seed
 
 
-def add_command(commands: argparse._SubParsersAction) -> argparse.ArgumentParser:
-    """Add `scenes`, but for --jobs, to the commands of lane_dp."""
+def add_command(commands: argparse._SubParsersAction) -> None:
+    """Add `scenes` to the commands of lane_dp."""
     text = "render roads whose lane lines are known exactly: a bag and its truth, or a sheet of pictures"
-    command: argparse.ArgumentParser = commands.add_parser("scenes", help=text, description=text)
+    command = commands.add_parser("scenes", help=text, description=text)
     command.add_argument(
         "categories", nargs="*", metavar="CATEGORY", help="kinds of scenes; default for --sheet: all"
     )
@@ -24,17 +25,18 @@ def add_command(commands: argparse._SubParsersAction) -> argparse.ArgumentParser
     what.add_argument("--list", action="store_true", help="print the categories")
     what.add_argument("--sheet", type=Path, metavar="FILE.png", help="write thumbnails, for a look at them")
     what.add_argument("-o", "--output", type=Path, metavar="DIR", help=f"write DIR/{BAG} and DIR/{TRUTH}")
-    command.add_argument("--frames", type=_count, default=FRAMES, metavar="N", help=f"default: {FRAMES}")
+    command.add_argument("--frames", type=count, default=FRAMES, metavar="N", help=f"default: {FRAMES}")
     command.add_argument(
-        "--rate", type=_rate, default=RATE, metavar="R", help=f"of them, Hz; default: {RATE:g}"
+        "--rate", type=positive, default=RATE, metavar="R", help=f"of them, Hz; default: {RATE:g}"
     )
-    command.add_argument("--seed", type=_seed, default=0, metavar="N", help="of everything; default: 0")
+    command.add_argument("--seed", type=seed, default=0, metavar="N", help="of everything; default: 0")
     command.add_argument("--force", action="store_true", help="replace what an earlier run has written")
-    command.set_defaults(command=_scenes)
-    return command
+    add_jobs(command)
+    command.set_defaults(run=run)
 
 
-def _scenes(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> None:
+    """Render, or list the categories."""
     if arguments.list:
         print(*CATEGORIES, sep="\n")
         return
@@ -51,22 +53,3 @@ def _scenes(arguments: argparse.Namespace) -> None:
     truth = write_drives(arguments.output, chosen, arguments.force, arguments.jobs)
     lines = sum(len(frame.labels) for frame in truth)
     print(f"{arguments.output}: {len(truth)} pairs of {len(chosen)} categories, {lines} lane lines")
-
-
-def _count(text: str) -> int:
-    if not (text.isdecimal() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number > 0")
-    return int(text)
-
-
-def _seed(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number >= 0")
-    return int(text)
-
-
-def _rate(text: str) -> float:
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not a number > 0")
-    return value

@@ -1,21 +1,23 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages to arrays and back, on rclpy's own messages."""
+"""Images to arrays and back, on rclpy's own messages."""
 
 import cv2
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.image import message_to_cvimage
-from sensor_msgs.msg import CameraInfo, CompressedImage
+from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
-from visualization_msgs.msg import MarkerArray
 
-from lane_dp_ros.core.types import Lane
-from lane_dp_ros.messages.conversions import ENCODINGS, camera_from_ros, compressed_image_from_ros, image_from_ros, image_to_ros, lanes_from_ros, lanes_to_ros, stereo_images_from_ros
+from lane_dp_ros.messages.image import (
+    ENCODINGS,
+    compressed_image_from_ros,
+    image_from_ros,
+    image_to_ros,
+    stereo_images_from_ros,
+)
 from lane_dp_ros.ros.rclpy_message import rclpy_message
 
 HEADER = Header(stamp=Time(sec=12, nanosec=345), frame_id="left_optical")
@@ -173,84 +175,3 @@ def test_what_is_neither_jpeg_nor_png_is_refused(data):
         compressed_image_from_ros(CompressedImage(format="h264", data=data))
     with pytest.raises(ValueError, match="cannot be decoded"):
         compressed_image_from_ros(CompressedImage(format="jpeg", data=b"\xff\xd8\xff\xe0 nonsense \xff\xd9"))
-
-
-def info(t_x=0.0, fx=700.0, size=(1242, 375)):
-    P = [fx, 0.0, 600.0, t_x, 0.0, fx, 180.0, 0.0, 0.0, 0.0, 1.0, 0.0]
-    return CameraInfo(width=size[0], height=size[1], p=P)
-
-
-def test_the_baseline_comes_from_both_projections():
-    camera = camera_from_ros(info(44.0), info(-340.0))
-    assert (camera.fx, camera.cx, camera.baseline) == (700.0, 600.0, pytest.approx(384.0 / 700))
-
-
-@pytest.mark.parametrize(
-    ("left", "right", "match"),
-    [
-        (info(fx=0.0), info(-378.0, fx=0.0), "fx = 0.*expected > 0"),
-        (info(fx=float("nan")), info(-378.0), "fx = nan.*expected > 0"),
-        (info(-378.0), info(), "baseline is -0.54 m, expected > 0"),
-        (info(), info(-378.0, size=(640, 480)), "CameraInfo is 1242x375 left and 640x480 right"),
-    ],
-)
-def test_calibrations_that_make_no_stereo_camera_are_refused(left, right, match):
-    with pytest.raises(ValueError, match=match):
-        camera_from_ros(left, right)
-
-
-def lane(points, role="other", id=3, confidence=0.75):
-    return Lane(np.asarray(points, float), confidence, 0.125, role, 0.0, 0.0, id)
-
-
-STRAIGHT = [[1.5, 1.65, 6.0], [1.5, 1.6, 6.5], [1.5, 1.55, 7.0]]
-
-
-def test_markers_are_what_the_interface_promises():
-    msg = lanes_to_ros((lane(STRAIGHT, "ego_right"),), HEADER, rclpy_message, lifetime=0.3)
-    clear, line = msg.markers
-    assert (clear.action, clear.ns, clear.header) == (clear.DELETEALL, "lanes", HEADER)
-    assert (line.action, line.type, line.ns, line.id) == (line.ADD, line.LINE_STRIP, "ego_right", 3)
-    assert (line.header, line.scale.x, line.pose.orientation.w) == (HEADER, 0.125, 1.0)
-    assert line.color.a == 0.75
-    assert (line.lifetime.sec, line.lifetime.nanosec) == (0, 300_000_000)
-    assert [[p.x, p.y, p.z] for p in line.points] == STRAIGHT
-
-
-def test_no_lane_is_one_message_that_clears():
-    msg = lanes_to_ros((), HEADER, rclpy_message, lifetime=0.5)
-    assert [m.action for m in msg.markers] == [3]
-    assert lanes_from_ros(msg) == ()
-
-
-def test_shape_of_received_lanes_comes_from_their_points():
-    z = np.linspace(5, 30, 60)
-    curved = np.column_stack([1.7 + 0.02 * z + 0.0025 * z**2, np.full_like(z, 1.65), z])
-    (got,) = lanes_from_ros(lanes_to_ros((lane(curved),), HEADER, rclpy_message, 0.5))
-    assert got.lateral_offset == pytest.approx(1.7)
-    assert got.curvature == pytest.approx(2 * 0.0025, rel=1e-3)
-
-
-coordinate = st.floats(-100, 100)
-lanes = st.lists(
-    st.builds(
-        lane,
-        points=st.lists(st.tuples(coordinate, coordinate, coordinate), min_size=1, max_size=4),
-        role=st.sampled_from(["ego_left", "ego_right", "other"]),
-        id=st.integers(0, 2**31 - 1),
-        confidence=st.floats(2**-10, 1, width=32),
-    ),
-    max_size=4,
-)
-
-
-@settings(deadline=None)
-@given(lanes)
-def test_lanes_round_trip_over_the_wire(sent):
-    wire = serialize_message(lanes_to_ros(tuple(sent), HEADER, rclpy_message, lifetime=0.5))
-    received = lanes_from_ros(deserialize_message(wire, MarkerArray))
-    assert [(a.role, a.id, a.confidence, a.paint_width) for a in received] == [
-        (a.role, a.id, a.confidence, a.paint_width) for a in sent
-    ]
-    for a, b in zip(received, sent, strict=True):
-        np.testing.assert_array_equal(a.points, b.points)

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The arguments that several commands take, and the types of their values."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.tools.parallel import available_cpus
+
+
+def add_bag(command: argparse.ArgumentParser) -> None:
+    """Add BAG, the bag to read."""
+    command.add_argument("bag", type=Path, metavar="BAG", help="bag folder, .mcap or .db3 file")
+
+
+def add_output(command: argparse.ArgumentParser) -> None:
+    """Add --output and --force, of a command that writes a bag."""
+    command.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="OUT", help="the bag to write, a folder"
+    )
+    command.add_argument("--force", action="store_true", help="replace OUT if it is a bag")
+
+
+def add_config(command: argparse.ArgumentParser) -> None:
+    """Add --config and --preset, what to detect with."""
+    config, preset = "ROS parameter file, as from dump-config", "values that FILE does not give"
+    command.add_argument("--config", type=Path, metavar="FILE", help=config)
+    command.add_argument("--preset", choices=PRESETS, default="default", help=preset)
+
+
+def add_rate(command: argparse.ArgumentParser) -> None:
+    """Add --rate, how fast to play."""
+    command.add_argument("--rate", type=positive, default=1.0, help="speed, 2 is twice as fast; default: 1")
+
+
+def add_jobs(command: argparse.ArgumentParser) -> None:
+    """Add --jobs, how many processes work."""
+    cpus = available_cpus()
+    text = f"processes that work, default: one a CPU, here {cpus}"
+    command.add_argument("--jobs", type=count, default=cpus, metavar="N", help=text)
+
+
+def count(text: str) -> int:
+    """Return a whole number > 0."""
+    if not (text.isdecimal() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number > 0")
+    return int(text)
+
+
+def seed(text: str) -> int:
+    """Return a whole number >= 0."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number >= 0")
+    return int(text)
+
+
+def port(text: str) -> int:
+    """Return the number of a TCP port."""
+    if not (text.isdecimal() and int(text) < 65536):
+        raise argparse.ArgumentTypeError(f"{text} is not a port from 0 to 65535")
+    return int(text)
+
+
+def positive(text: str) -> float:
+    """Return a finite number > 0."""
+    if not 0 < (value := _number(text)) < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a number > 0")
+    return value
+
+
+def limit(text: str) -> float:
+    """Return a finite number >= 0."""
+    if not 0 <= (value := _number(text)) < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a number >= 0")
+    return value
+
+
+def _number(text: str) -> float:
+    """Return a number, NaN for what is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""lane_dp evaluate: the lanes of a bag or of a folder of images judged by labels."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.cli.arguments import add_jobs, limit
+from lane_dp_ros.tools.evaluation.thresholds import THRESHOLDS, missed_thresholds
+
+if TYPE_CHECKING:
+    from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice, Evaluation
+
+
+def add_command(commands: argparse._SubParsersAction) -> None:
+    """Add `evaluate` to the commands of lane_dp."""
+    text = (
+        "judge lanes by labels and print the paper's table: those in a bag, or detected in its images first"
+    )
+    epilog = (
+        "A bag that carries lanes is judged as recorded. Exit code 1 when a --min... or --max... is missed."
+    )
+    command = commands.add_parser("evaluate", help=text, description=text, epilog=epilog)
+    add_arguments(command)
+    command.add_argument("--preset", choices=PRESETS, help="to detect with, default: default")
+    command.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file to detect with")
+    add_jobs(command)
+    command.set_defaults(run=run)
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add what says which frames to judge, by what, and where the numbers go: the arguments of `evaluate`."""
+    command.add_argument(
+        "input", type=Path, metavar="BAG_OR_DIR", help="bag, folder of images, or what lane_dp scenes wrote"
+    )
+    truth = command.add_mutually_exclusive_group()
+    truth.add_argument("--truth", type=Path, metavar="FILE", help="the labels, see docs/truth_format.md")
+    truth.add_argument("--unpainted", action="store_true", help="no frame of the bag has any paint")
+    command.add_argument(
+        "--json", type=Path, metavar="FILE", help="write all numbers, see docs/evaluation.md"
+    )
+    command.add_argument(
+        "--report", type=Path, metavar="DIR", help="write a page with tables, curves and frames"
+    )
+    for threshold in THRESHOLDS:
+        word = "smallest" if threshold.is_lower else "largest"
+        command.add_argument(
+            threshold.option, type=limit, metavar="X", help=f"{word} {threshold.name} to accept"
+        )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Judge what is recorded, or what the detector finds with the parameters that are asked for."""
+    from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice
+
+    evaluate(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs))
+
+
+def evaluate(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
+    """Judge, print, write; raise CommandError when a threshold is missed."""
+    from lane_dp_ros.tools.evaluation.evaluate import evaluate_path, evaluate_unpainted
+    from lane_dp_ros.tools.evaluation.summary import summarise
+
+    _check_outputs(arguments)
+    if arguments.unpainted:
+        evaluation = evaluate_unpainted(arguments.input, choice)
+    else:
+        evaluation = evaluate_path(arguments.input, arguments.truth, choice)
+    _write(arguments, evaluation, choice)
+    limits = {t.option: getattr(arguments, t.option.lstrip("-").replace("-", "_")) for t in THRESHOLDS}
+    if missed := missed_thresholds(summarise(evaluation.results), limits):
+        raise CommandError(missed)
+
+
+def _check_outputs(arguments: argparse.Namespace) -> None:
+    """Raise CommandError for an output that must not be replaced, before anything is detected."""
+    from lane_dp_ros.tools.evaluation.json_file import check_json_output
+    from lane_dp_ros.tools.report import check_report_output
+
+    if arguments.json is not None:
+        check_json_output(arguments.json)
+    if arguments.report is not None:
+        check_report_output(arguments.report)
+
+
+def _write(arguments: argparse.Namespace, evaluation: Evaluation, choice: DetectorChoice) -> None:
+    from lane_dp_ros.tools.evaluation.json_file import write_json
+    from lane_dp_ros.tools.evaluation.text import tables
+    from lane_dp_ros.tools.report import write_report
+
+    print(tables(evaluation.results))
+    for note in evaluation.notes:
+        print(f"note: {note}")
+    if arguments.json is not None:
+        write_json(evaluation.results, evaluation.notes, arguments.json)
+    if arguments.report is not None:
+        config = choice.load()[1] if choice.given else None
+        page = write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)
+        print(f"report: {page}")

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: lane_dp, also ros2 run lane_dp_ros lane_dp."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import metadata
+from types import FrameType
+
+from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.tools.cli import convert, demo, dump_config, evaluate, play, review, run, scenes, tables
+
+COMMANDS = (demo, play, run, convert, evaluate, review, tables, scenes, dump_config)  # in the order of --help
+KNOWN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143  # exit codes; the last two as the shell has them
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; return 0, or 1 for a known error, which is one line on standard error.
+
+    Wrong usage ends with exit code 2 (SystemExit, from argparse).
+    """
+    arguments = _parse(list(sys.argv[1:] if argv is None else argv))
+    try:
+        with _ended_by_sigterm():
+            arguments.run(arguments)
+    except (CommandError, ValueError, OSError) as error:
+        print(f"lane_dp: {one_line(error)}", file=sys.stderr)
+        return KNOWN_ERROR
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return 0
+
+
+def _parse(argv: list[str]) -> argparse.Namespace:
+    """Return the arguments; what follows --ros-args is ROS's and goes to `ros_args`."""
+    split = argv.index("--ros-args") if "--ros-args" in argv else len(argv)
+    parser = _parser()
+    arguments = parser.parse_args(argv[:split])
+    arguments.ros_args = argv[split:]
+    if arguments.ros_args and arguments.run is not play.run:
+        parser.error("--ros-args goes with play alone")
+    return arguments
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="lane_dp", description="Stereo lane detection: tools for bags.")
+    parser.add_argument("--version", action="version", version=f"lane_dp {_version()}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in COMMANDS:
+        command.add_command(commands)
+    return parser
+
+
+def _version() -> str:
+    try:
+        return metadata.version("lane_dp_ros")
+    except metadata.PackageNotFoundError:
+        return "(run from its source tree)"
+
+
+@contextmanager
+def _ended_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM end the block like an error, so that half-written files and child processes go, too."""
+
+    def end(_signal: int, _frame: FrameType | None) -> None:
+        """End the process by an exception."""
+        sys.exit(TERMINATED)
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

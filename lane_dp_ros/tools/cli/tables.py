@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""lane_dp tables: the paper's tables, ours and the baseline's beside the published numbers."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.tools.cli.arguments import add_jobs
+
+BASELINE = Path(__file__).parents[3] / "benchmarks" / "global_vanishing_point.py"  # in the source tree only
+EXPLANATION = """\
+The truth of a drive or bag NAME is NAME.truth.json beside it, as lane_dp review exports it, that of a folder
+truth.json or labels/lanes.json in it. A folder that holds the paper's drives stands for all of them. What the
+detectors find is judged as by lane_dp evaluate."""
+
+
+def add_command(commands: argparse._SubParsersAction) -> None:
+    """Add `tables` to the commands of lane_dp."""
+    text = "print the paper's tables: ours, the paper preset and the baseline beside the published numbers"
+    command = commands.add_parser("tables", help=text, description=text, epilog=EXPLANATION)
+    kinds = "KITTI raw drive or a folder of them, bag, folder of lane_dp scenes or of labelled images"
+    command.add_argument("data", type=Path, nargs="+", metavar="DATA", help=kinds)
+    detector = (
+        "Python file of the baseline, with lanes(left, right, camera); default: that of the source tree"
+    )
+    command.add_argument("--detector", type=Path, metavar="FILE", help=detector)
+    add_jobs(command)
+    command.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Judge and print."""
+    from lane_dp_ros.tools.evaluation.comparison import comparison
+    from lane_dp_ros.tools.evaluation.detectors import file_detector, preset_detector
+
+    detectors = [preset_detector(name) for name in PRESETS]
+    if arguments.detector or BASELINE.is_file():
+        detectors.append(file_detector(arguments.detector or BASELINE))
+    print(comparison(arguments.data, detectors, arguments.jobs))
+    if len(detectors) == len(PRESETS):
+        print(
+            f"no baseline: {BASELINE.name} is not installed, name it in the source tree with --detector FILE"
+        )
