@@ -22,9 +22,9 @@ def line_at(view, course, score=10.0, first=0.0):
 
 def look(road, *lines):
     """Look beside lines given by their courses, the first the strongest."""
-    view, graph = road.bands()
-    given = [line_at(view, course, score=10.0 - i) for i, course in enumerate(lines)]
-    return parallel_lines(given, view, graph, CONFIG)
+    paint = road.bands()
+    given = [line_at(paint.view, course, score=10.0 - i) for i, course in enumerate(lines)]
+    return parallel_lines(given, paint, CONFIG)
 
 
 @pytest.mark.parametrize("given", [-1.725, 1.725], ids=["left", "right"])
