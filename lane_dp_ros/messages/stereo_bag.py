@@ -130,11 +130,11 @@ def _by_stamp(images: Iterable[_Image]) -> Iterator[_Image]:
 
 
 class StereoImages(NamedTuple):
-    """One pair, uint8, (H, W) gray or (H, W, 3) BGR, with the left image's stamp."""
+    """One pair, uint8, (H, W) gray or (H, W, 3) BGR, with the left image's stamp; `right` may be None."""
 
     stamp_ns: int
     left: NDArray[np.uint8]
-    right: NDArray[np.uint8]
+    right: NDArray[np.uint8] | None
 
 
 @dataclass(frozen=True)
@@ -155,6 +155,8 @@ class StereoBagWriter:
             self.writer.write(f"/{side}/camera_info", pair.stamp_ns, info)
         for side, image in (("left", pair.left), ("right", pair.right)):
             topic = f"/{side}/image_rect"
+            if image is None:
+                continue
             if self.jpeg:
                 message = compressed_image_to_ros(image, header, bag_message)
                 self.writer.write(f"{topic}/compressed", pair.stamp_ns, message)
