@@ -34,8 +34,9 @@ class DisparityMap:
         """Return the disparity [px] of pixels (N,), NaN where there is none."""
         height, width = self.matched.shape
         scale = height / max(self.shape[0] - self.first, 1), width / self.shape[1]
-        row = (np.maximum(rows - self.first, 0) * scale[0] + EPSILON).astype(np.intp)
-        found = self.matched[row, (columns * scale[1] + EPSILON).astype(np.intp)]
+        row = ((rows - self.first) * scale[0] + EPSILON).astype(np.intp)
+        cells = row * width + (columns * scale[1] + EPSILON).astype(np.intp)
+        found = self.matched.ravel().take(cells, mode="clip")
         above = rows < self.first
         if np.any(above):
             found = np.where(above, np.float32(np.nan), found)
@@ -43,7 +44,7 @@ class DisparityMap:
 
     def nearest(self, u: NDArray[np.float32], v: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the disparity [px] of the pixels nearest to (u, v), arrays of one shape; NaN for none."""
-        return self.at(np.rint(v).astype(np.intp), np.rint(u).astype(np.intp))
+        return self.at(np.rint(v), np.rint(u))
 
     @cached_property
     def full(self) -> NDArray[np.float32]:
