@@ -34,6 +34,8 @@ EXPERT = {
         "strong_dashes",
         "score_unknown_height",
     ),
+    "extension": ("gap_max", "turn_max"),
+    "parallel": ("contrast_min", "contrast_max", "blank_cost", "score_min", "ego_max"),
     "stop_line": ("junction", "bright"),
     "plane_sweep": ("distinct",),
     "axis_refinement": ("askew_min", "score_min"),
@@ -49,6 +51,7 @@ EXPERT = {
         "beside_max",
         "doubted_confidence",
     ),
+    "tracking": ("hits_min", "astray_max", "new_beside", "touching", "doubt"),
 }
 PAPER = {  # section V and VI of the paper; resolution and band as in the authors' program
     "paint_map.feature": "edges_and_grey",
@@ -125,6 +128,10 @@ def test_an_unknown_preset_is_refused():
         (
             {"lane_selection.lane_width_min": 3.0, "lane_selection.lane_width_max": 2.5},
             "lane_selection.lane_width_max: got 2.5, expected more than lane_width_min = 3.0",
+        ),
+        (
+            {"parallel.contrast_min": 1.5},
+            "parallel.contrast_max: got 1.4, expected more than contrast_min = 1.5",
         ),
     ],
 )

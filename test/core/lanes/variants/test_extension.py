@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.variants.extension import extend_line
+from lane_dp_ros.core.lanes.variants.extension import ExtensionConfig, extend_line
 
 N = -1.725  # m
 ROW = 0.25  # m, a row of a drawn road
 BLANK_COST = 0.14
+CONFIG = ExtensionConfig()
 LENGTH = 36.0  # m, from 4 m to 40 m
 FIRST, LAST = 12.0, 16.0  # m; the piece that the search found
 
@@ -42,10 +43,10 @@ def piece(view, course, first=FIRST, last=LAST, score=3.4):
     return LaneLine(rows, s, course(s), 0.0, score)
 
 
-def extended(road, course, first=FIRST, last=LAST, score=3.4):
+def extended(road, course, first=FIRST, last=LAST, score=3.4, config=CONFIG):
     profile = road.bands()
     line = piece(profile.view, course, first, last, score)
-    return line, extend_line(line, profile, BLANK_COST)
+    return line, extend_line(line, profile, BLANK_COST, config)
 
 
 def spans(line, first, last):
@@ -160,7 +161,7 @@ def test_whatever_is_painted_a_longer_line_is_a_line(painted_road, dash, shape, 
     view = profile.view
     rows = np.arange(len(view.s))[::-1][span[0] : sum(span)]
     line = LaneLine(rows, view.s[rows], course(view.s[rows]), 0.0, 2.0)
-    longer = extend_line(line, profile, BLANK_COST)
+    longer = extend_line(line, profile, BLANK_COST, CONFIG)
     assert longer.score >= line.score
     assert np.all(np.diff(longer.rows) == -1)
     assert set(line.rows) <= set(longer.rows) <= set(range(len(view.s)))
@@ -178,4 +179,13 @@ def test_paint_of_a_line_that_it_crosses_is_not_its_own(painted_road, slope):
 
     profile = painted_road(length=LENGTH).line(N).line(streak, first=20).bands()
     line = piece(profile.view, streak, 20, 40, score=10.0)
-    assert extend_line(line, profile, BLANK_COST) is line
+    assert extend_line(line, profile, BLANK_COST, CONFIG) is line
+    steep = ExtensionConfig(turn_max=0.2)
+    assert extend_line(line, profile, BLANK_COST, steep) is not line
+
+
+@pytest.mark.parametrize(("gap_max", "bridged"), [(3.75, False), (4.0, True)])
+def test_the_longest_gap_is_that_of_the_configuration(painted_road, gap_max, bridged):
+    road = paint(painted_road(length=LENGTH), straight, (FIRST, LAST), (LAST + 4, LAST + 8))
+    line, longer = extended(road, straight, config=ExtensionConfig(gap_max=gap_max))
+    assert (longer is not line) == bridged
