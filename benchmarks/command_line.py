@@ -8,6 +8,9 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 from lane_dp_ros.messages.errors import CommandError, one_line
 
@@ -21,15 +24,23 @@ def parser_of(description: str) -> argparse.ArgumentParser:
     return parser
 
 
-def exit_code(
-    run: Callable[[argparse.Namespace], None],
-    arguments: argparse.Namespace,
-    known: tuple[type[Exception], ...] = KNOWN_ERRORS,
-) -> int:
+def add_settings(parser: argparse.ArgumentParser) -> None:
+    """Add --set NAME=VALUE, for parameters that are not to have their defaults."""
+    parser.add_argument("--set", type=_setting, action="append", default=[], metavar="NAME=VALUE")
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(f"{text} is no NAME=VALUE")
+    return name, yaml.safe_load(value)
+
+
+def exit_code(run: Callable[[argparse.Namespace], None], arguments: argparse.Namespace) -> int:
     """Run a command with its arguments; return 0, or 1 after a known error, said in one line."""
     try:
         run(arguments)
-    except known as error:
+    except KNOWN_ERRORS as error:
         print(one_line(error), file=sys.stderr)
         return 1
     return 0

@@ -8,20 +8,17 @@ import sys
 from pathlib import Path
 
 import cv2
+import input_bags
+import lane_changes
 import numpy as np
 import pytest
+import same_answers
+import versions
 
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.evaluation.answers import FrameAnswer
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
-
-import input_bags
-import lane_changes
-import same_answers
-import versions
 
 FRAME = {"fx": 700.0, "fy": 700.0, "cx": 40.0, "cy": 20.0, "baseline": 0.5, "width": 80, "height": 60}
 GROUND = {"ground": [0.0, 30.0, 0.0, 0.0], "ego_left": None, "ego_right": None, "lanes": []}

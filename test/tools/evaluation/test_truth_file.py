@@ -50,7 +50,10 @@ def test_a_frame_of_a_bag(tmp_path):
 def test_saved_truth_comes_back_and_is_the_same_to_the_byte(tmp_path):
     path = written(
         tmp_path,
-        {"a/1": {**FIELDS, "stamp_ns": 5, "note": "né", "drive": "avenue"}, "a/2": {**FIELDS, "lanes": [], "ego_left": None}},
+        {
+            "a/1": {**FIELDS, "stamp_ns": 5, "note": "né", "drive": "avenue"},
+            "a/2": {**FIELDS, "lanes": [], "ego_left": None},
+        },
     )
     save_truth(load_truth(path), tmp_path / "once.json")
     save_truth(load_truth(tmp_path / "once.json"), tmp_path / "twice.json")
