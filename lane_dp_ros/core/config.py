@@ -14,6 +14,8 @@ from lane_dp_ros.core.lanes.mono_fallback import MonoFallbackConfig
 from lane_dp_ros.core.lanes.path_search import PathSearchConfig
 from lane_dp_ros.core.lanes.plane_sweep import PlaneSweepConfig
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
+from lane_dp_ros.core.lanes.variants.extension import ExtensionConfig
+from lane_dp_ros.core.lanes.variants.parallel import ParallelConfig
 from lane_dp_ros.core.lanes.variants.stop_line import StopLineConfig
 from lane_dp_ros.core.parameter import Parameters, Value, parameter, replaced
 from lane_dp_ros.core.road.disparity import DisparityConfig
@@ -34,6 +36,8 @@ class DetectorConfig(Parameters):
     path_search: PathSearchConfig = field(default_factory=PathSearchConfig)
     lane_model: LaneModelConfig = field(default_factory=LaneModelConfig)
     lane_selection: LaneSelectionConfig = field(default_factory=LaneSelectionConfig)
+    extension: ExtensionConfig = field(default_factory=ExtensionConfig)
+    parallel: ParallelConfig = field(default_factory=ParallelConfig)
     stop_line: StopLineConfig = field(default_factory=StopLineConfig)
     plane_sweep: PlaneSweepConfig = field(default_factory=PlaneSweepConfig)
     axis_refinement: AxisRefinementConfig = field(default_factory=AxisRefinementConfig)

@@ -18,6 +18,7 @@ from lane_dp_ros.core.monitoring.calibration_monitor import (
     Observation,
 )
 from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
+from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.core.types import Lane, Prior, StereoFrame
@@ -45,6 +46,8 @@ class FrameResult:
     problem: str = ""
     road_profile: str = ""
     check: CalibrationStatus = UNCHECKED
+    seconds: dict[str, float] = field(default_factory=dict)
+    """Computing time of each stage, in order."""
 
 
 @dataclass
@@ -91,14 +94,19 @@ class LanePipeline:
             detection = self._detector_for(camera, config).detect(frame, prior)
         else:
             detection = unaided
-        self._road.update(detection.road)
-        lanes = self._tracked(detection, stamp_ns, config)
+        watch = Stopwatch(detection.seconds)
+        with watch("tracking"):
+            self._road.update(detection.road)
+            lanes = self._tracked(detection, stamp_ns, config)
         road = detection.road_estimate
         problem = ""
         if road.source != "measured":
             problem = f"{detection.note}; the left image alone serves, with {SERVES[road.source]}"
-        check = self._checked(frame, camera, detection, lanes, config) if self.monitored else UNCHECKED
-        return FrameResult(frame, camera, detection, lanes, problem, road.source, check)
+        check = UNCHECKED
+        if self.monitored:
+            with watch("calibration_monitor"):
+                check = self._checked(frame, camera, detection, lanes, config)
+        return FrameResult(frame, camera, detection, lanes, problem, road.source, check, watch.seconds)
 
     def _predict(self, nominal: RoadSurface, stamp_ns: int, config: DetectorConfig) -> Prior:
         """Return what the frames before say of the one of `stamp_ns`."""

@@ -113,9 +113,9 @@ class LaneSearch:
         fitted = [self._fit.fit(path, paint, rng) for path in paths]
         lines = [line for line in fitted if line is not None]
         if self._config.path_search.free_ends:
-            blank_cost, stop_line = self._config.path_search.blank_cost, self._config.stop_line
-            lines = [extend_line(line, paint, blank_cost) for line in lines]
-            lines = [end_at_stop_line(line, paint, blank_cost, stop_line) for line in lines]
+            config, blank_cost = self._config, self._config.path_search.blank_cost
+            lines = [extend_line(line, paint, blank_cost, config.extension) for line in lines]
+            lines = [end_at_stop_line(line, paint, blank_cost, config.stop_line) for line in lines]
         return lines
 
     def _measured(
@@ -148,7 +148,8 @@ class LaneSearch:
         halves = self._near_halves(candidates, paint, frame)
         painted = [each for each in (*candidates, *halves) if not each.refusal]
         first = select_lanes(painted, selection)
-        lines = parallel_lines([candidate.line for candidate in first.lanes], paint, selection)
+        known = [candidate.line for candidate in first.lanes]
+        lines = parallel_lines(known, paint, self._config.parallel, selection)
         parallels = self._measured(lines, paint, frame, "parallel")
         rest = [each for each in painted if each not in first.lanes]
         chosen = select_lanes(

@@ -6,10 +6,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.parameter import Parameter, Parameters, Value, parameter, parameters, replaced
 
+# The names of release 0.1, which are still taken.
+RENAMED = {
+    "tracking.bridge_time": "tracking.coast_time",
+    "lane_selection.roughness_max": "lane_selection.texture_max",
+}
+RENAMED_STAGES = {"lane_graph": "paint_map"}
 EVERY_NODE = ("use_sim_time", "start_type_description_service")  # ROS gives these to every node
 
 
@@ -30,12 +37,32 @@ class NodeConfig(Parameters):
     )
 
 
-def all_parameters(preset_name: str = "default") -> dict[str, Parameter]:
+def all_parameters(preset_name: str = "default", expert: bool = False) -> dict[str, Parameter]:
     """Return every parameter of the node by its ROS name; defaults are the preset's values.
+
+    Those for experts, which a file may set but nobody is shown, only if `expert`.
 
     Raises ValueError for an unknown preset.
     """
-    return {**parameters(NodeConfig()), **parameters(preset(preset_name))}
+    return {**parameters(NodeConfig(), expert), **parameters(preset(preset_name), expert)}
+
+
+def with_current_names(values: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Return values by the parameters' names of today, and a line for each that came under an old name.
+
+    Of a value that came under both names the one under today's name is taken.
+    """
+    current = {name: value for name, value in values.items() if current_name(name) == name}
+    old = {name: value for name, value in values.items() if current_name(name) != name}
+    for name, value in old.items():
+        current.setdefault(current_name(name), value)
+    return current, [f"{name} is {current_name(name)} now; the old name will be refused" for name in old]
+
+
+def current_name(name: str) -> str:
+    """Return what a parameter is called today."""
+    stage, dot, field = name.partition(".")
+    return RENAMED.get(name, f"{RENAMED_STAGES.get(stage, stage)}{dot}{field}")
 
 
 def is_of_ros(name: str) -> bool:

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import bisect
+from collections import deque
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -16,8 +18,8 @@ from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.camera import camera_info_to_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.image import compressed_image_to_ros, image_to_ros
-from lane_dp_ros.messages.stamp import stamp_from_ros, stamp_to_ros
-from lane_dp_ros.messages.stereo_sync import SIDES, Side, StereoPair, StereoSync
+from lane_dp_ros.messages.stamp import NS_PER_S, stamp_from_ros, stamp_to_ros
+from lane_dp_ros.messages.stereo_sync import RIGHT_SILENT_AFTER_NS, SIDES, Side, StereoPair, StereoSync
 
 IMAGES = {"image_rect": "sensor_msgs/msg/Image", "image_rect/compressed": "sensor_msgs/msg/CompressedImage"}
 FRAME_ID = "left_camera_optical_frame"  # of both sides, as in image_pipeline: P_right refers to it, too
@@ -73,22 +75,66 @@ def _missing(reader: BagReader, wanted: str) -> CommandError:
 
 def read_stereo_pairs(reader: BagReader, topics: StereoTopics, sync: StereoSync) -> Iterator[BagPair]:
     """Yield every pair that `sync` makes, with the last camera infos before it, or else the first ones."""
+    for image in _by_stamp(_images(reader, topics)):
+        if pair := sync.add(image.side, image.stamp_ns, image.message):
+            yield BagPair(pair, image.infos, image.time_ns)
+
+
+def sync_of_bag(tolerance: float) -> StereoSync:
+    """Return what pairs the images of a bag as the node does: stamps may differ by `tolerance` [s]."""
+    return StereoSync(round(tolerance * NS_PER_S), CAPACITY, alone_after_ns=RIGHT_SILENT_AFTER_NS)
+
+
+class _Image(NamedTuple):
+    """An image message, when it was recorded, and the camera infos (left, right) at that time."""
+
+    stamp_ns: int
+    side: Side
+    message: Any
+    time_ns: int
+    infos: tuple[Any, Any]
+
+
+def _images(reader: BagReader, topics: StereoTopics) -> Iterator[_Image]:
+    """Yield the images in the order in which they were recorded."""
     infos = {side: next(reader.messages([topic]))[2] for side, topic in topics.infos.items()}
     info_sides = {topic: side for side, topic in topics.infos.items()}
     image_sides = {topic: side for side, topic in topics.images.items()}
     for topic, time_ns, message in reader.messages([*image_sides, *info_sides]):
         if topic in info_sides:
             infos[info_sides[topic]] = message
-        elif pair := sync.add(image_sides[topic], stamp_from_ros(message.header.stamp), message):
-            yield BagPair(pair, (infos["left"], infos["right"]), time_ns)
+        else:
+            stamp_ns = stamp_from_ros(message.header.stamp)
+            yield _Image(stamp_ns, image_sides[topic], message, time_ns, (infos["left"], infos["right"]))
+
+
+def _by_stamp(images: Iterable[_Image]) -> Iterator[_Image]:
+    """Yield images in the order of their stamps, though one side may be recorded seconds after the other.
+
+    An image waits until the other side has come as far, or `CAPACITY` others wait. Where a side's stamps
+    run backwards, all that waits goes first.
+    """
+    waiting: deque[_Image] = deque()
+    last: dict[Side, int] = {}
+    for image in images:
+        if image.stamp_ns < last.get(image.side, image.stamp_ns):
+            yield from waiting
+            waiting.clear()
+            last.clear()
+        last[image.side] = image.stamp_ns
+        bisect.insort(waiting, image, key=lambda each: each.stamp_ns)
+        come = min(last.get(side, waiting[0].stamp_ns - 1) for side in SIDES)
+        while waiting and (waiting[0].stamp_ns <= come or len(waiting) > CAPACITY):
+            yield waiting.popleft()
+    yield from waiting
 
 
 class StereoImages(NamedTuple):
-    """One pair, uint8, (H, W) gray or (H, W, 3) BGR, with the left image's stamp."""
+    """One pair, uint8, (H, W) gray or (H, W, 3) BGR, with the left image's stamp; `right` may be None."""
 
     stamp_ns: int
     left: NDArray[np.uint8]
-    right: NDArray[np.uint8]
+    right: NDArray[np.uint8] | None
 
 
 @dataclass(frozen=True)
@@ -109,6 +155,8 @@ class StereoBagWriter:
             self.writer.write(f"/{side}/camera_info", pair.stamp_ns, info)
         for side, image in (("left", pair.left), ("right", pair.right)):
             topic = f"/{side}/image_rect"
+            if image is None:
+                continue
             if self.jpeg:
                 message = compressed_image_to_ros(image, header, bag_message)
                 self.writer.write(f"{topic}/compressed", pair.stamp_ns, message)

@@ -12,6 +12,7 @@ from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
+from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.types import Image, StereoFrame
 from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import one_line
@@ -80,7 +81,11 @@ class StereoPipeline:
 
         Raises ValueError when an image cannot be read. All else that goes wrong is the result's `problem`.
         """
-        return self.follow(Unaided(read_pair(pair, infos)), config)
+        watch = Stopwatch()
+        with watch("conversion"):
+            read = read_pair(pair, infos)
+        result = self.follow(Unaided(read), config)
+        return replace(result, seconds={**watch.seconds, **result.seconds})
 
     def follow(self, found: Unaided, config: DetectorConfig) -> FrameResult:
         """Return the lanes of a pair in which was looked before, without those that came before it."""

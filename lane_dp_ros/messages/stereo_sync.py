@@ -20,6 +20,9 @@ class StereoPair(NamedTuple):
     stamp_ns: int
 
 
+RIGHT_SILENT_AFTER_NS = NS_PER_S // 2  # without a right image, then left ones are worked on alone
+
+
 class StereoSync:
     """Pair what comes from two cameras: equal stamps first, else the nearest within a tolerance.
 

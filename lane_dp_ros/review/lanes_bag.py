@@ -13,8 +13,7 @@ from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
-from lane_dp_ros.messages.stereo_sync import StereoSync
+from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.review.read_drive import find_lanes, find_topics
 from lane_dp_ros.tools.offline import answered
 from lane_dp_ros.tools.progress import progress
@@ -54,7 +53,7 @@ def detect_lanes(
     Raises CommandError when there are no pairs, or none that can be used.
     """
     topics = find_stereo_topics(reader)
-    pairs = read_stereo_pairs(reader, topics, StereoSync(round(node.sync_tolerance * 1e9), CAPACITY))
+    pairs = read_stereo_pairs(reader, topics, sync_of_bag(node.sync_tolerance))
     problem, written = f"no left and right stamps within {node.sync_tolerance:g} s", 0
     with answered(pairs, detector, jobs) as answers:
         total = reader.message_count([topics.images["left"]])

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import PIXELS, RoadSurface
-from lane_dp_ros.core.pipeline import detect_pair
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.node_config import NodeConfig
+from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
 from lane_dp_ros.messages.stereo_sync import StereoPair
 from lane_dp_ros.review.drive import Drive, Frame
 from lane_dp_ros.review.judgement import SIDES, Judgement, Line
@@ -59,8 +59,9 @@ class Grounds:
         if right is None or "right" not in frame.infos:
             return None
         pair = StereoPair(self.drive.left_message(frame), right, frame.stamp_ns)
-        answer = detect_pair(pair, (frame.infos["left"], frame.infos["right"]), self.detector)
-        return answer.detection.road if answer.detection else None
+        infos = frame.infos["left"], frame.infos["right"]
+        result = StereoPipeline(monitored=False).answer(pair, infos, self.detector)
+        return result.detection.road if result.detection else None
 
 
 def ground_through(lanes: tuple[Lane, ...], camera: StereoCamera) -> RoadSurface | None:

@@ -5,13 +5,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from lane_dp_ros.core.parameter import Parameter, Value
-from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs, is_of_ros
+from lane_dp_ros.messages.node_config import (
+    NodeConfig,
+    all_parameters,
+    configs,
+    current_name,
+    is_of_ros,
+    with_current_names,
+)
 
 
 def descriptor(spec: Parameter) -> ParameterDescriptor:
@@ -44,9 +52,12 @@ class LiveParameters:
 
     def __init__(self, node: Node, on_change: Callable[[NodeConfig, NodeConfig], None]) -> None:
         self._on_change = on_change
-        _tell_unknown(node)
-        self._specs = all_parameters()
-        self._values = {name: _declared(node, spec) for name, spec in self._specs.items()}
+        given = _given(node)
+        known = all_parameters(expert=True)
+        self._specs = {name: spec for name, spec in known.items() if not spec.expert or name in given}
+        self._values = {
+            name: _declared(node, spec, given.get(name, spec.default)) for name, spec in self._specs.items()
+        }
         self.node_config, self.detector_config = configs(self._values)
         node.add_pre_set_parameters_callback(self._whole_numbers_to_floats)
         node.add_on_set_parameters_callback(self._check)
@@ -80,22 +91,29 @@ class LiveParameters:
             self._on_change(before, self.node_config)
 
 
-def _tell_unknown(node: Node) -> None:
-    """Log the parameters that ROS would ignore without a word: a name may be misspelt."""
-    known = all_parameters()
-    given = node.get_parameters_by_prefix("")
-    unknown = [name for name in given if name not in known and not is_of_ros(name)]
-    if unknown:
+def _given(node: Node) -> dict[str, Any]:
+    """Return the values that the user gave, by the parameters' names of today.
+
+    They were declared by rclpy without meaning and range, and no longer are. Logs old names, and those that
+    ROS would ignore without a word: a name may be misspelt.
+    """
+    values = {name: each.value for name, each in node.get_parameters_by_prefix("").items()}
+    given, renamed = with_current_names({n: value for n, value in values.items() if not is_of_ros(n)})
+    known = all_parameters(expert=True)
+    for warning in renamed:
+        node.get_logger().warning(f"Parameter {warning}")
+    if unknown := [name for name in given if name not in known]:
         node.get_logger().warning(
             f"Parameters that this node does not have are ignored: {', '.join(unknown)}"
         )
+    for name in values:
+        if current_name(name) in known:
+            node.undeclare_parameter(name)
+    return given
 
 
-def _declared(node: Node, spec: Parameter) -> Value:
-    """Declare a parameter; return its value, which may come from the command line or a parameter file."""
-    value = spec.default
-    if node.has_parameter(spec.name):  # declared by rclpy, without meaning and range, by what the user gave
-        value = spec.checked(node.get_parameter(spec.name).value)
-        node.undeclare_parameter(spec.name)
-    node.declare_parameter(spec.name, value, descriptor(spec), ignore_override=True)
-    return value
+def _declared(node: Node, spec: Parameter, value: Any) -> Value:
+    """Declare a parameter with meaning and range; return its value."""
+    checked = spec.checked(value)
+    node.declare_parameter(spec.name, checked, descriptor(spec), ignore_override=True)
+    return checked

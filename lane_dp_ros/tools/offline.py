@@ -4,30 +4,39 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-
-import numpy as np
+from typing import TypeVar
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.pipeline import FrameResult, LanePipeline, detect_pair
+from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.errors import CommandError, one_line
 from lane_dp_ros.messages.image import image_to_ros
 from lane_dp_ros.messages.lanes import lanes_to_ros
-from lane_dp_ros.messages.node_config import NodeConfig, all_parameters, configs, is_of_ros
+from lane_dp_ros.messages.node_config import (
+    NodeConfig,
+    all_parameters,
+    configs,
+    is_of_ros,
+    with_current_names,
+)
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
-from lane_dp_ros.messages.stereo_bag import CAPACITY, BagPair, find_stereo_topics, read_stereo_pairs
-from lane_dp_ros.messages.stereo_sync import SIDES, StereoSync
+from lane_dp_ros.messages.stereo_bag import BagPair, find_stereo_topics, read_stereo_pairs, sync_of_bag
+from lane_dp_ros.messages.stereo_pipeline import StereoPipeline, Unaided, detect_unaided
+from lane_dp_ros.messages.stereo_sync import SIDES
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.parameter_file import read_parameter_file
 from lane_dp_ros.tools.progress import progress
+
+Result = TypeVar("Result")
 
 
 def load_config(preset: str, path: Path | None) -> tuple[NodeConfig, DetectorConfig]:
@@ -38,7 +47,9 @@ def load_config(preset: str, path: Path | None) -> tuple[NodeConfig, DetectorCon
     """
     values = {name: parameter.default for name, parameter in all_parameters(preset).items()}
     given = read_parameter_file(path) if path else {}
-    given = {name: value for name, value in given.items() if not is_of_ros(name)}
+    given, renamed = with_current_names({n: value for n, value in given.items() if not is_of_ros(n)})
+    for warning in renamed:
+        print(f"lane_dp: {path}: {warning}", file=sys.stderr)
     try:
         return configs({**values, **given})
     except ValueError as error:
@@ -65,7 +76,7 @@ class Summary:
         if answer.problem:
             self.problems[answer.problem] += 1
         if answer.detection is not None:
-            for stage, seconds in answer.detection.seconds.items():
+            for stage, seconds in answer.seconds.items():
                 self.seconds[stage].append(seconds)
 
     def __str__(self) -> str:
@@ -92,7 +103,7 @@ def detect_bag(
     skipped, as by the node. Raises CommandError when the bag has no stereo pairs, or none that can be used.
     """
     topics = find_stereo_topics(reader)
-    sync, summary = StereoSync(round(node.sync_tolerance * 1e9), CAPACITY), Summary()
+    sync, summary = sync_of_bag(node.sync_tolerance), Summary()
     pairs = read_stereo_pairs(reader, topics, sync)
     total = reader.message_count([topics.images["left"]])
     start = time.perf_counter()
@@ -115,33 +126,35 @@ def answered(
 ) -> Iterator[Iterator[tuple[BagPair, FrameResult | str]]]:
     """Open an iterator over the pairs with their answers, tracked, from `jobs` processes, in order.
 
-    A str in place of an answer says why the pair cannot be read. The detections come without disparity, graph
-    and paths, which would be slow to hand from one process to another.
+    A str in place of an answer says why the pair cannot be read. With several processes each pair is looked
+    at without those before it first, and once more, in order, where these would change what was found; so the
+    answers do not depend on `jobs`.
     """
+    pipeline = StereoPipeline(monitored=False)
+    if jobs == 1:
+        yield ((bag_pair, _answer(partial(pipeline.answer, *bag_pair[:2]), config)) for bag_pair in pairs)
+        return
     with parallel_map(partial(_detected, config), pairs, jobs) as detected:
-        yield _followed(detected, config)
+        yield (
+            (bag_pair, found if isinstance(found, str) else _answer(partial(pipeline.follow, found), config))
+            for bag_pair, found in detected
+        )
 
 
-def _detected(config: DetectorConfig, bag_pair: BagPair) -> FrameResult | str:
+def _detected(config: DetectorConfig, bag_pair: BagPair) -> Unaided | str:
+    return _read(partial(detect_unaided, bag_pair.pair, bag_pair.infos, config))
+
+
+def _answer(answer: Callable[[DetectorConfig], FrameResult], config: DetectorConfig) -> FrameResult | str:
+    return _read(partial(answer, config))
+
+
+def _read(read: Callable[[], Result]) -> Result | str:
+    """Return what `read` returns, or why it cannot: as in the node, one bad frame must not end the run."""
     try:
-        answer = detect_pair(bag_pair.pair, bag_pair.infos, config)
-    except Exception as error:  # noqa: BLE001 - as in the node: one bad frame must not end the run
+        return read()
+    except Exception as error:  # noqa: BLE001 - see above
         return one_line(error)
-    if answer.detection is None:
-        return answer
-    nothing = np.empty((0, 0), np.float32)
-    detection = replace(answer.detection, disparity=nothing, graph=None, paths=())
-    return replace(answer, right=None, detection=detection)
-
-
-def _followed(
-    detected: Iterable[tuple[BagPair, FrameResult | str]], config: DetectorConfig
-) -> Iterator[tuple[BagPair, FrameResult | str]]:
-    pipeline = LanePipeline()
-    for bag_pair, answer in detected:
-        if isinstance(answer, FrameResult):
-            answer = pipeline.follow(answer, bag_pair.pair.stamp_ns, config)  # noqa: PLW2901
-        yield bag_pair, answer
 
 
 def _write_answer(
@@ -153,8 +166,8 @@ def _write_answer(
     for side, info in zip(SIDES, bag_pair.infos, strict=True):  # what the lanes are projected with
         writer.write(f"{namespace}/{side}/camera_info", time_ns, info)
     if answer.camera is not None:
-        overlay = draw_overlay(answer.left, answer.lanes, answer.camera)
+        overlay = draw_overlay(answer.frame.left, answer.lanes, answer.camera)
         writer.write(f"{namespace}/overlay/image", time_ns, image_to_ros(overlay, header, bag_message))
     if answer.detection is not None and answer.detection.birds_eye is not None:
-        view = draw_birds_eye(answer.detection.birds_eye, answer.left, answer.lanes)
+        view = draw_birds_eye(answer.detection.birds_eye, answer.frame.left, answer.lanes)
         writer.write(f"{namespace}/ipm/image", time_ns, image_to_ros(view, header, bag_message))

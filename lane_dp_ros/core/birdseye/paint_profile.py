@@ -86,6 +86,15 @@ class PaintProfile:
         return np.asarray(cv2.dilate(self.paint_map.feature, np.ones((1, 2 * reach + 1), np.uint8)))
 
 
+def paint_gain(paint: Floats, blank_cost: float) -> Floats:
+    """Return what a metre of line adds to its score [net metres of paint] where it sees so much `paint`.
+
+    The score of a line, everywhere, is the sum of this over its length: of `paint` in [0, 1], by whatever
+    measure, less what blank road costs. A path pays for its slope and bends on top.
+    """
+    return np.asarray(paint - blank_cost)
+
+
 def runs_of(rows: NDArray[np.bool_]) -> Cells:
     """Return the runs (N, 2) of true rows: the first one of each, and the one after its last."""
     padded = np.zeros(len(rows) + 2, bool)

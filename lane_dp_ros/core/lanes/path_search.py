@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.paint_map import PaintMap
+from lane_dp_ros.core.birdseye.paint_profile import paint_gain
 from lane_dp_ros.core.dp.free_end_paths import free_paths, segment_gain
 from lane_dp_ros.core.dp.shortest_paths import shortest_paths
 from lane_dp_ros.core.lanes.candidate import LanePath
@@ -121,7 +122,13 @@ class FullHeightSearch:
             along = paint_map.feature[rows, columns][seen]
             if not along.size or 1 - along.mean() > self._config.max_mean_cost:
                 break
-            found.append(LanePath(rows[seen], columns[seen].astype(np.float64), float(along.sum()) * per_row))
+            found.append(
+                LanePath(
+                    rows[seen],
+                    columns[seen].astype(np.float64),
+                    float(paint_gain(along, 0.0).sum()) * per_row,
+                )
+            )
             near = np.abs(np.arange(cost.shape[1]) - columns[::-1, None]) <= half_band
             cost = np.where(near, np.inf, cost).astype(np.float32)
         return found
@@ -164,9 +171,8 @@ class _FreeEndPasses:
         self.max_slope = int(config.slope_max * self.segment / self.per_column + 1e-6)
         self.rows = len(paint_map.feature)
         blocks = self.rows // self.step
-        self.reward = (
-            np.where(paint_map.seen, paint_map.feature - config.blank_cost, 0).astype(np.float32)[::-1].copy()
-        )
+        gain = paint_gain(paint_map.feature, config.blank_cost)
+        self.reward = np.where(paint_map.seen, gain, 0).astype(np.float32)[::-1].copy()
         self.taken = np.zeros((blocks, paint_map.feature.shape[1]), bool)
         slopes = np.arange(-self.max_slope, self.max_slope + 1) * self.per_column / self.segment
         self.slope_cost = (config.slope_cost * self.segment * slopes**2).astype(np.float32)

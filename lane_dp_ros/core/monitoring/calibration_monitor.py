@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lane_dp_ros.core.geometry.road_geometry import geometry
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
-from lane_dp_ros.core.tracking.road_filter import geometry
 from lane_dp_ros.core.types import Lane
 
 NS_PER_S = 1_000_000_000

@@ -87,8 +87,8 @@ class _Vote:
         size = round(2 * OFFSET_MAX / OFFSET_BIN)
         bins = ((offset[axis, edge] + np.float32(OFFSET_MAX)) * np.float32(1 / OFFSET_BIN)).astype(np.intp)
         cells = axis * size + np.minimum(bins, size - 1)
-        histogram = np.bincount(cells, self.length[edge], len(theta) * size).reshape(-1, size)
-        histogram = histogram + np.roll(histogram, 1, axis=1)  # on the border of two bins it is one line
+        counted = np.bincount(cells, self.length[edge], len(theta) * size).reshape(-1, size)
+        histogram = counted + np.roll(counted, 1, axis=1)  # on the border of two bins it is one line
         return np.asarray((histogram**SHARPNESS).sum(axis=1) * self._prior(theta[:, 0], k[:, 0]))
 
     def _accumulate(self) -> Floats:

@@ -74,10 +74,10 @@ class MotionFilter:
         self._covariance = transition @ self._covariance @ transition.T + noise * seconds
         self._covariance[MOTION:COMMON, MOTION:COMMON] = np.diag(SURFACE_SIGMA**2)
 
-    def begin(self, identity: int) -> None:
+    def initialise(self, identity: int) -> None:
         """Begin a line at the course that was found for it; one that is known begins anew."""
         if identity in self._ids:
-            self.forget(identity)
+            self.remove(identity)
         size = len(self._mean)
         covariance = np.diag(np.append(np.zeros(size), FIRST_SIGMA**2))
         covariance[:size, :size] = self._covariance
@@ -85,7 +85,7 @@ class MotionFilter:
         self._mean = np.append(self._mean, np.zeros(LINE))
         self._ids.append(identity)
 
-    def forget(self, identity: int) -> None:
+    def remove(self, identity: int) -> None:
         """Drop a line."""
         first = self._first(identity)
         gone = slice(first, first + LINE)
@@ -99,7 +99,7 @@ class MotionFilter:
         innovation = seen.aside - rows @ self._mean
         return float(innovation @ self._weight(rows, seen) @ innovation) / len(seen.s)
 
-    def observe(self, identity: int, seen: Aside) -> None:
+    def update(self, identity: int, seen: Aside) -> None:
         """Take in how far a line is from its course."""
         surprise = self.surprise(identity, seen)
         if surprise > GATE:

@@ -44,28 +44,28 @@ class TrackManager:
 
     def __init__(self, lanes: Sequence[Lane] = ()) -> None:
         """Begin with the frame of these lanes, which are not known yet."""
-        self.lines: dict[int, Track] = {}
+        self.tracks: dict[int, Track] = {}
         self.axis = first_axis([lane.points for lane in lanes])
         self._filter = MotionFilter()
 
-    def advance(self, seconds: float) -> None:
+    def predict(self, seconds: float) -> None:
         """Move everything on in time, and straighten it by the axis of that time."""
         self._filter.predict(seconds, self.axis.curvature)
         self._move()
-        axis = common_axis([line.course for line in self.lines.values()])
-        for line in self.lines.values():
+        axis = common_axis([line.course for line in self.tracks.values()])
+        for line in self.tracks.values():
             line.course = FrenetLine.of(line.course.points(self.axis), axis)
         self.axis = axis
 
-    def forget(self, seen_before_ns: int) -> None:
+    def remove(self, seen_before_ns: int) -> None:
         """Forget the lines that were last seen before that time."""
-        for identity in [i for i, line in self.lines.items() if line.last_seen_ns < seen_before_ns]:
-            del self.lines[identity]
-            self._filter.forget(identity)
+        for identity in [i for i, line in self.tracks.items() if line.last_seen_ns < seen_before_ns]:
+            del self.tracks[identity]
+            self._filter.remove(identity)
 
     def match(self, sightings: Sequence[Detection]) -> dict[int, int]:
         """Return index of sighting -> id for the known lines among them."""
-        known = sorted((line.course.place(self.axis), i) for i, line in self.lines.items())
+        known = sorted((line.course.place(self.axis), i) for i, line in self.tracks.items())
         new = sorted((seen.course.place(self.axis), i) for i, seen in enumerate(sightings))
         gains = np.zeros((len(known), len(new)))
         for row, column in np.ndindex(gains.shape):
@@ -73,7 +73,7 @@ class TrackManager:
                 gains[row, column] = self._likeness(known[row][1], sightings[new[column][1]])
         return {new[column][1]: known[row][1] for row, column in match_in_order(gains)}
 
-    def observe(self, found: Mapping[int, Detection], may_stray: Collection[int] = ()) -> set[int]:
+    def update(self, found: Mapping[int, Detection], may_stray: Collection[int] = ()) -> set[int]:
         """Take in the lines that are seen; the others move along.
 
         So do those of `may_stray` that were found, for a part, on the paint of another; they are returned.
@@ -85,21 +85,21 @@ class TrackManager:
         placed |= self._take_in({i: found[i] for i in suspects - strayed})
         taken_in = found.keys() - strayed
         for identity in taken_in - placed:
-            self._filter.begin(identity)
+            self._filter.initialise(identity)
         surface = surface_change(
-            (self.lines[i].course, found[i].course) for i in taken_in & self.lines.keys()
+            (self.tracks[i].course, found[i].course) for i in taken_in & self.tracks.keys()
         )
-        for identity in self.lines.keys() - taken_in:
-            self.lines[identity].course = self.lines[identity].course.lowered(surface)
+        for identity in self.tracks.keys() - taken_in:
+            self.tracks[identity].course = self.tracks[identity].course.lowered(surface)
         return strayed
 
     def smoothed(self, identity: int, course: FrenetLine) -> FrenetLine:
         """Return the course of a known line as it was found in this frame, moved to where it was expected."""
-        expected = self.lines[identity].course.slid(self._filter.slide(), self.axis)
+        expected = self.tracks[identity].course.slid(self._filter.slide(), self.axis)
         return course.onto(expected)
 
     def _strayed(self, found: Mapping[int, Detection]) -> set[int]:
-        courses = {i: self.lines[i].course for i in found if i in self.lines}
+        courses = {i: self.tracks[i].course for i in found if i in self.tracks}
         return {
             i
             for i, course in courses.items()
@@ -108,7 +108,7 @@ class TrackManager:
 
     def _take_in(self, found: Mapping[int, Detection]) -> set[int]:
         """Move all lines as those found tell; return which of these could be compared with what was known."""
-        known = {i: (self.lines[i].course, seen.course) for i, seen in found.items() if i in self.lines}
+        known = {i: (self.tracks[i].course, seen.course) for i, seen in found.items() if i in self.tracks}
         parts = {i: (course, seen.within(course)) for i, (course, seen) in known.items()}
         asides = {
             i: Aside(
@@ -119,17 +119,17 @@ class TrackManager:
         }
         # What is expected first: it tells the vehicle's motion, so that one that strayed does not.
         for identity in sorted(asides, key=lambda i: self._filter.surprise(i, asides[i])):
-            self._filter.observe(identity, asides[identity])
+            self._filter.update(identity, asides[identity])
         self._move()
         return set(asides)
 
     def _likeness(self, identity: int, seen: Detection) -> float:
-        line = self.lines[identity]
+        line = self.tracks[identity]
         beside = SAME_LINE - abs(line.offset - seen.lane.lateral_offset)
         return max(BARELY * beside, agreement(line.course, seen.course, SAME_LINE))
 
     def _move(self) -> None:
         for identity, move in self._filter.take_moves().items():
-            line = self.lines[identity]
+            line = self.tracks[identity]
             line.course = line.course.moved(move)
             line.offset += float(move[0])

@@ -18,14 +18,13 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.pipeline import FrameResult
-from lane_dp_ros.core.types import Lane
+from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_bag import CAPACITY, IMAGES, find_stereo_topics, read_stereo_pairs
-from lane_dp_ros.messages.stereo_sync import StereoSync
+from lane_dp_ros.messages.stereo_bag import IMAGES, find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.offline import answered
 from lane_dp_ros.tools.parallel import parallel_map
@@ -102,7 +101,7 @@ def detected_answers(reader: BagReader, config: tuple[NodeConfig, DetectorConfig
     """
     topics, (node, detector) = find_stereo_topics(reader), config
     total = reader.message_count([topics.images["left"]])
-    pairs = read_stereo_pairs(reader, topics, StereoSync(round(node.sync_tolerance * 1e9), CAPACITY))
+    pairs = read_stereo_pairs(reader, topics, sync_of_bag(node.sync_tolerance))
     answers: dict[int, FrameAnswer] = {}
     problems: list[str] = []
     with answered(pairs, detector, jobs) as found:
@@ -148,7 +147,7 @@ def detect_pair(
     detector: DetectorConfig, left: Image8, right: Image8, camera: StereoCamera
 ) -> tuple[tuple[Lane, ...], float]:
     """Return the lanes of a pair by itself, and the computing time [s]."""
-    detection = LaneDetector(camera, detector).detect(left, right)
+    detection = LaneDetector(camera, detector).detect(StereoFrame(left, right))
     return detection.lanes, sum(detection.seconds.values())
 
 

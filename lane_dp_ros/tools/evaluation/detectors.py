@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.types import Lane
+from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.messages.errors import CommandError, one_line
 
 Image8 = NDArray[np.uint8]
@@ -55,7 +55,7 @@ def file_detector(path: Path) -> Detector:
 def _detect_with(
     config: DetectorConfig, left: Image8, right: Image8, camera: StereoCamera
 ) -> tuple[Lane, ...]:
-    return LaneDetector(camera, config).detect(left, right).lanes
+    return LaneDetector(camera, config).detect(StereoFrame(left, right)).lanes
 
 
 def _detect_by(path: Path, left: Image8, right: Image8, camera: StereoCamera) -> tuple[Lane, ...]:

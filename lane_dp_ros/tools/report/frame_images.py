@@ -11,13 +11,14 @@ from pathlib import Path
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.pipeline import detect_pair
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError, one_line
 from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
+from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
 from lane_dp_ros.messages.stereo_sync import StereoSync
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.answers import read_picture
@@ -65,7 +66,8 @@ def _images_of_files(root: Path, frame: LabelledFrame | None, config: DetectorCo
         return FrameImages(note="no images: the truth does not name them")
     try:
         left, right = read_picture(root / frame.left), read_picture(root / frame.right)
-        return FrameImages(left, frame.camera, LaneDetector(frame.camera, config).detect(left, right))
+        detection = LaneDetector(frame.camera, config).detect(StereoFrame(left, right))
+        return FrameImages(left, frame.camera, detection)
     except (CommandError, ValueError) as error:
         return FrameImages(note=f"no images: {one_line(error)}")
 
@@ -97,8 +99,9 @@ def _pairs(
     for bag_pair in read_stereo_pairs(reader, find_stereo_topics(reader), sync):
         if wanted(stamp_ns := bag_pair.pair.stamp_ns):
             try:
-                answer = detect_pair(bag_pair.pair, bag_pair.infos, config)
-                yield stamp_ns, FrameImages(answer.left, answer.camera, answer.detection, answer.problem)
+                result = StereoPipeline(monitored=False).answer(bag_pair.pair, bag_pair.infos, config)
+                left, problem = result.frame.left, result.problem
+                yield stamp_ns, FrameImages(left, result.camera, result.detection, problem)
             except ValueError as error:
                 yield stamp_ns, FrameImages(note=f"no images: {one_line(error)}")
 

@@ -94,7 +94,7 @@ def _views_from_above(left: Image8, detection: LaneDetection, lines: Sequence[Li
     marks = [(f"{s} m", (view.s[0] - s) / (view.s[0] - view.s[-1])) for s in DISTANCES]
     road = data_uri(_from_above(view, left), ROAD_BYTES)
     parts = [figure("above", "From above", size, road, seen, marks)]
-    if detection.graph is not None:
+    if detection.paint_map is not None:
         cost = data_uri(_cost_picture(view, detection), ROAD_BYTES)
         paths = [Line(_path(view, path), "path") for path in detection.paths]
         failed = [replace(line, name="") for line in seen if line.is_failure]
@@ -111,7 +111,7 @@ def _extent(view: BirdsEyeView) -> tuple[float, float]:
 
 def _on_road(view: BirdsEyeView, pixels: Floats) -> Floats:
     """Return pixels (N, 2) of the left image in metres right of and below the view's upper left corner."""
-    s, n = view.axis.from_ground(*view.ground.pixel_to_ground(pixels[:, 0], pixels[:, 1]))
+    s, n = view.axis.from_ground(*view.ipm_plane.pixel_to_ground(pixels[:, 0], pixels[:, 1]))
     per_row, per_column = view.resolution
     return np.column_stack([n - view.n[0] + per_column / 2, view.s[0] + per_row / 2 - s])
 
@@ -134,10 +134,10 @@ def _from_above(view: BirdsEyeView, left: Image8) -> Image8:
 
 def _cost_picture(view: BirdsEyeView, detection: LaneDetection) -> Image8:
     """Return the cost, black 0, white 1, UNSEEN where no road is seen."""
-    assert detection.graph is not None
-    grey = np.rint(np.clip(detection.graph.cost, 0, 1) * 255).astype(np.uint8)
+    assert detection.paint_map is not None
+    grey = np.rint(np.clip(detection.paint_map.cost, 0, 1) * 255).astype(np.uint8)
     picture = cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR)
-    picture[~detection.graph.seen] = UNSEEN
+    picture[~detection.paint_map.seen] = UNSEEN
     width, height = _extent(view)
     size = (round(width * PIXELS_PER_METRE), round(height * PIXELS_PER_METRE))
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_NEAREST), dtype=np.uint8)

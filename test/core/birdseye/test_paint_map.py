@@ -9,16 +9,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view, right_view
-from lane_dp_ros.core.birdseye.paint_map import (
-    SENSOR_NOISE,
-    TEXTURE_MAX,
-    PaintMapConfig,
-    band_contrast,
-    build_paint_map,
-    edge_graph,
-    road_texture,
-    shifted,
-)
+from lane_dp_ros.core.birdseye.paint_map import SENSOR_NOISE, TEXTURE_MAX, PaintMapConfig, band_contrast, build_paint_map, edge_graph, road_texture, shifted
 from lane_dp_ros.core.config import preset
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface

@@ -9,12 +9,7 @@ import pytest
 
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
-from lane_dp_ros.core.road.road_profile import (
-    RoadProfileConfig,
-    fit_road_surface,
-    v_disparity,
-    v_disparity_path,
-)
+from lane_dp_ros.core.road.road_profile import RoadProfileConfig, fit_road_surface, v_disparity, v_disparity_path
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")

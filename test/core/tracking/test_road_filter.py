@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.tracking.road_filter import RoadFilter, geometry, surface_of
+from lane_dp_ros.core.tracking.road_filter import RoadFilter
+from lane_dp_ros.core.geometry.road_geometry import geometry, surface_of
 from lane_dp_ros.scenes import CAMERA
 
 STEP = 100_000_000  # ns between frames

@@ -4,36 +4,58 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, runs_of
+from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, paint_gain, runs_of
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import polynomial_fit
+from lane_dp_ros.core.parameter import Parameters, parameter
 
 Floats = NDArray[np.float64]
 
-GAP_MAX = 12.0  # m between two dashes, the longest in use (motorways: 6 m of paint, 12 m of gap)
 DASH_MIN = 0.5  # m of paint; the rest of a dash may lie outside the view
 LOOK_BACK = 8.0  # m at the end of a line that tell where it points to
-TURN_MAX = 0.1  # lateral over forward; paint that runs otherwise is of another line
 EPSILON = 1e-9  # m^2; all in one place has no slope
 NEAR, FAR = 0, -1  # the ends of a line
 
 
-def extend_line(line: LaneLine, paint: PaintProfile, blank_cost: float) -> LaneLine:
-    """Return the line, extended at both ends over gaps of at most `GAP_MAX` to further paint.
+@dataclass(frozen=True)
+class ExtensionConfig(Parameters):
+    """How far a line goes on behind a gap."""
+
+    gap_max: float = parameter(
+        12.0,
+        "Between two dashes; the longest in use is that of motorways: 6 m of paint, 12 m of gap.",
+        unit="m",
+        limits=(1.0, 50.0),
+        expert=True,
+    )
+    turn_max: float = parameter(
+        0.1,
+        "Lateral over forward; paint that runs otherwise is of another line.",
+        limits=(0.0, 1.0),
+        expert=True,
+    )
+
+
+def extend_line(line: LaneLine, paint: PaintProfile, blank_cost: float, config: ExtensionConfig) -> LaneLine:
+    """Return the line, extended at both ends over gaps of at most `config.gap_max` to further paint.
 
     What it gains in score [m] is the paint less what the gap costs, `blank_cost` a metre of both; a gap never
     takes score away.
     """
     for end in (FAR, NEAR):
-        while (longer := _to_next_dash(line, end, paint, blank_cost)) is not None:
+        while (longer := _to_next_dash(line, end, paint, blank_cost, config)) is not None:
             line = longer
     return line
 
 
-def _to_next_dash(line: LaneLine, end: int, paint: PaintProfile, blank_cost: float) -> LaneLine | None:
+def _to_next_dash(
+    line: LaneLine, end: int, paint: PaintProfile, blank_cost: float, config: ExtensionConfig
+) -> LaneLine | None:
     """Return the line with the next dash beyond its `end`, fitted anew; None where there is none."""
     view = paint.view
     per_row = view.resolution[0]
@@ -43,8 +65,10 @@ def _to_next_dash(line: LaneLine, end: int, paint: PaintProfile, blank_cost: flo
     centre, weight = paint.centres(rows, view.columns(n))
     painted = (weight > PAINTED) & (n > view.n[0]) & (n < view.n[-1])
     dash = _first_run(painted, round(DASH_MIN / per_row))
-    if dash is None or dash.start * per_row > GAP_MAX or _turns(s[dash], (centre - n)[dash]):
+    if dash is None or dash.start * per_row > config.gap_max:
         return None
+    if _turn(s[dash], (centre - n)[dash]) > config.turn_max:
+        return None  # the paint of a line that this one crosses
     rows, n = rows[: dash.stop], n[: dash.stop]
     if end == FAR:
         rows, n = np.concatenate([line.rows, rows]), np.concatenate([line.n, n])
@@ -52,13 +76,14 @@ def _to_next_dash(line: LaneLine, end: int, paint: PaintProfile, blank_cost: flo
         rows, n = np.concatenate([rows[::-1], line.rows]), np.concatenate([n[::-1], line.n])
     centre, weight = paint.centres(rows, view.columns(n))
     fitted, bend = polynomial_fit(view.s[rows], centre, weight)
-    gain = (dash.stop - dash.start - blank_cost * dash.stop) * per_row
+    beyond = np.arange(dash.stop) >= dash.start
+    gain = float(paint_gain(beyond, blank_cost).sum()) * per_row
     return LaneLine(rows, view.s[rows], fitted, bend, line.score + max(gain, 0.0))
 
 
-def _turns(s: Floats, aside: Floats) -> bool:
-    """Return whether paint `aside` [m] of where the line points to is of a line that this one crosses."""
-    return len(s) > 2 and abs(_slope_of(s, aside)) > TURN_MAX
+def _turn(s: Floats, aside: Floats) -> float:
+    """Return by how much, lateral over forward, paint `aside` [m] of where the line points to runs off it."""
+    return abs(_slope_of(s, aside)) if len(s) > 2 else 0.0
 
 
 def _rows_beyond(line: LaneLine, end: int, count: int) -> NDArray[np.intp]:

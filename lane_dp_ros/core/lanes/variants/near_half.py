@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, paint_gain
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS, polynomial_fit
 
@@ -23,7 +23,9 @@ def near_half(line: LaneLine, paint: PaintProfile, blank_cost: float) -> LaneLin
         return None
     n, bend = polynomial_fit(s, centre, weight)
     column = view.nearest_columns(n)
-    gain = np.where(paint.paint_map.seen[rows, column], paint.feature(rows, column) - blank_cost, 0)
+    gain = np.where(
+        paint.paint_map.seen[rows, column], paint_gain(paint.feature(rows, column), blank_cost), 0
+    )
     score = np.cumsum(gain) * view.resolution[0]
     end = int(score.argmax()) + 1
     return LaneLine(rows[:end], s[:end], n[:end], bend, float(score[end - 1])) if end >= MIN_ROWS else None

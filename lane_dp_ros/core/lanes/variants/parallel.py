@@ -5,31 +5,71 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, paint_gain
 from lane_dp_ros.core.dp.robust_fit import tukey_fit
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
+from lane_dp_ros.core.parameter import Parameters, check_order, parameter
 
 Floats = NDArray[np.float64]
 
 SMOOTHING = 2.0  # m along the line, over which contrast is averaged: faint paint adds up, texture does not
-CONTRAST_MIN, CONTRAST_MAX = 0.4, 1.4  # of the averaged contrast: no paint, certain paint
 CONTRAST_CAP = 2.5  # one bright spot counts no more than this
-BLANK_COST = 0.15  # m of paint that a metre of blank road costs
-SCORE_MIN = 1.8  # m of paint
-EGO_MAX = 3.0  # m; how far aside the own lane's border can be
 TEN_METRES = 10.0  # the unit of s in the fit, to condition it
 RIDGE = np.diag([1e-6, 2.0])  # rows of paint; a parallel is moved freely and turned a little
 TOLERANCE, ROUNDS = 0.2, 5  # m; paint farther from the line is not its own
 
 
+@dataclass(frozen=True)
+class ParallelConfig(Parameters):
+    """The second look for faint borders of the own lane."""
+
+    contrast_min: float = parameter(
+        0.4,
+        "Contrast of no paint, averaged along the line, in units of the road's texture.",
+        limits=(0.0, 10.0),
+        expert=True,
+    )
+    contrast_max: float = parameter(
+        1.4,
+        "Contrast of certain paint, likewise.",
+        limits=(0.1, 20.0),
+        expert=True,
+    )
+    blank_cost: float = parameter(
+        0.15,
+        "Metres of paint that a metre of blank road costs.",
+        limits=(0.01, 1.0),
+        expert=True,
+    )
+    score_min: float = parameter(
+        1.8,
+        "Net metres of paint.",
+        unit="m",
+        limits=(0.5, 20.0),
+        expert=True,
+    )
+    ego_max: float = parameter(
+        3.0,
+        "How far aside the own lane's border can be.",
+        unit="m",
+        limits=(1.0, 6.0),
+        expert=True,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_order(self, "parallel", "contrast_min", "contrast_max")
+
+
 def parallel_lines(
-    lines: Sequence[LaneLine], paint: PaintProfile, config: LaneSelectionConfig
+    lines: Sequence[LaneLine], paint: PaintProfile, config: ParallelConfig, selection: LaneSelectionConfig
 ) -> list[LaneLine]:
     """Return faint lines that run parallel to the strongest of `lines` where the own lane lacks a border.
 
@@ -42,19 +82,19 @@ def parallel_lines(
     strongest = max(lines, key=lambda line: line.score)
     shape = np.interp(view.s, strongest.s, strongest.n) - strongest.n[0]
     offsets = [float(np.median(line.n - np.interp(line.s, view.s[::-1], shape[::-1]))) for line in lines]
-    missing = [side for side in (-1, 1) if not any(0 < side * n < config.lane_width_max for n in offsets)]
+    missing = [side for side in (-1, 1) if not any(0 < side * n < selection.lane_width_max for n in offsets)]
     if not missing:
         return []
-    gain = _gain(paint, shape)
+    gain = _gain(paint, shape, config)
     score, first, last = best_stretches(gain[::-1])
     found = []
     for column in np.argsort(-score):
         n = view.n[column]
-        if score[column] < SCORE_MIN:
+        if score[column] < config.score_min:
             break
         gaps = [abs(n - other) for other in offsets]
-        if any(0 < side * n < EGO_MAX for side in missing) and (
-            config.lane_width_min <= min(gaps) <= config.lane_width_max
+        if any(0 < side * n < config.ego_max for side in missing) and (
+            selection.lane_width_min <= min(gaps) <= selection.lane_width_max
         ):
             rows = len(view.s) - 1 - np.arange(first[column], last[column] + 1)
             found.append(_fitted(paint, rows, n + shape[rows], float(score[column])))
@@ -81,7 +121,7 @@ def best_stretches(
     return best, first, last
 
 
-def _gain(paint: PaintProfile, shape: Floats) -> NDArray[np.float32]:
+def _gain(paint: PaintProfile, shape: Floats, config: ParallelConfig) -> NDArray[np.float32]:
     """Return the gain [m] of each row of the line n(s) = n[column] + shape(s), (rows, columns)."""
     view, paint_map = paint.view, paint.paint_map
     per_row, per_column = view.resolution
@@ -93,8 +133,8 @@ def _gain(paint: PaintProfile, shape: Floats) -> NDArray[np.float32]:
         contrast, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=-1
     )
     smooth = cv2.blur(cv2.dilate(moved, np.ones((1, 3), np.uint8)), (1, round(SMOOTHING / per_row)))
-    painted = np.clip((smooth - CONTRAST_MIN) / (CONTRAST_MAX - CONTRAST_MIN), 0, 1)
-    return np.asarray((painted - BLANK_COST) * per_row, dtype=np.float32)
+    painted = np.clip((smooth - config.contrast_min) / (config.contrast_max - config.contrast_min), 0, 1)
+    return np.asarray(paint_gain(painted, config.blank_cost) * per_row, dtype=np.float32)
 
 
 def _fitted(paint: PaintProfile, rows: NDArray[np.intp], parallel: Floats, score: float) -> LaneLine:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
-from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, runs_of
+from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, paint_gain, runs_of
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
 from lane_dp_ros.core.lanes.variants.extension import DASH_MIN
@@ -64,7 +64,7 @@ def end_at_stop_line(
     bars = _bars(line, painted, view, config.bright)
     for end, _ in gaps:
         if end >= MIN_ROWS and bars[end - 1 : end + round(END / per_row)].any():
-            score = float((painted[:end] - blank_cost).sum() * per_row)
+            score = float(paint_gain(painted[:end], blank_cost).sum()) * per_row
             return LaneLine(line.rows[:end], line.s[:end], line.n[:end], line.bend, score)
     return line
 

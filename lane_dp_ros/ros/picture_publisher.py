@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The pictures that somebody may look at, drawn in a thread of their own: lanes do not wait for them."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+
+from lane_dp_ros.core.pipeline import FrameResult
+from lane_dp_ros.messages.errors import one_line
+from lane_dp_ros.messages.image import Image8, image_to_ros
+from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
+from lane_dp_ros.ros.publishing import DEPTH, publish
+from lane_dp_ros.ros.rclpy_message import rclpy_message
+from lane_dp_ros.ros.worker import LatestOnlyWorker
+
+
+class PicturePublisher:
+    """Publishes `overlay/image` and `ipm/image` for a node while somebody subscribes to them.
+
+    Where drawing is slower than the lanes are found, pictures are left out. `close()` ends its thread.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._birds_eye = node.create_publisher(Image, "ipm/image", DEPTH)
+        self._overlay = node.create_publisher(Image, "overlay/image", DEPTH)
+        self._worker = LatestOnlyWorker(self._work)
+        self.seconds = 0.0
+        """Computing time of the last pictures."""
+
+    def offer(self, result: FrameResult, header: Any) -> None:
+        """Have the pictures of a result drawn and published, if anybody looks at them; returns at once."""
+        if self._overlay.get_subscription_count() or self._birds_eye.get_subscription_count():
+            self._worker.offer((result, header))
+        else:
+            self.seconds = 0.0
+
+    def close(self) -> None:
+        """End the thread, after the picture in work, if any."""
+        self._worker.close()
+
+    def _work(self, item: tuple[FrameResult, Any]) -> None:
+        result, header = item
+        start = time.perf_counter()
+        try:
+            self._draw(result, header)
+        except Exception as error:  # noqa: BLE001 - a picture that cannot be drawn must not end the node
+            self._node.get_logger().error(f"A picture cannot be drawn: {one_line(error)}")
+        self.seconds = time.perf_counter() - start
+
+    def _draw(self, result: FrameResult, header: Any) -> None:
+        left = result.frame.left
+        if result.camera is not None and self._overlay.get_subscription_count():
+            self._publish(self._overlay, draw_overlay(left, result.lanes, result.camera), header)
+        view = result.detection.birds_eye if result.detection else None
+        if view is not None and self._birds_eye.get_subscription_count():
+            self._publish(self._birds_eye, draw_birds_eye(view, left, result.lanes), header)
+
+    def _publish(self, publisher: Any, picture: Image8, header: Any) -> None:
+        publish(self._node, publisher, image_to_ros(picture, header, rclpy_message))
