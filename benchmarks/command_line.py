@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -22,6 +23,12 @@ def parser_of(description: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=description.splitlines()[0])
     parser.add_argument("data", type=Path, metavar="DATA")
     return parser
+
+
+def data_folder() -> Path:
+    """Return the folder of KITTI's data that LANE_DP_DATA names, else shared/data beside the repository."""
+    beside = Path(__file__).resolve().parents[2] / "shared" / "data"
+    return Path(os.environ.get("LANE_DP_DATA", beside))
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,10 +23,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from command_line import exit_code
+from command_line import data_folder, exit_code
 from input_bags import LABELLED, SUITE, UNPAINTED, InputBag, input_bags
 from lane_changes import KINDS, Change, changes
-from versions import HERE, version
+from versions import version
 
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.errors import CommandError
@@ -161,8 +160,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("old", metavar="OLD", help="git revision or folder")
     parser.add_argument("new", metavar="NEW", help="git revision or folder")
-    beside = os.environ.get("LANE_DP_DATA", HERE.parent / "shared" / "data")
-    parser.add_argument("data", type=Path, nargs="?", default=Path(beside), metavar="DATA")
+    parser.add_argument("data", type=Path, nargs="?", default=data_folder(), metavar="DATA")
     parser.add_argument("--cache", type=Path, default=CACHE, metavar="DIR", help=f"default: {CACHE}")
     return exit_code(run, parser.parse_args())
 
