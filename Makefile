@@ -74,6 +74,7 @@ bench: $(main)/bench-$(python_version)
 	@mkdir -p bench
 	@$(main)/bin/python benchmarks/bench_shortest_paths.py
 	@$(main)/bin/python benchmarks/bench_pipeline.py
+	@$(main)/bin/python benchmarks/bench_node.py
 
 clean:
 	rm -rf .venv .venv-* build install log demo bench *.egg-info .coverage .*_cache .hypothesis

@@ -63,16 +63,16 @@ def run_session(reader: BagReader, writer: BagWriter, log: Path, rate: float = 1
     """
     namespace = f"/lane_dp_demo_{os.getpid()}"
     session = Session()
-    with _detector_process(namespace, log) as process, ros_node("lane_dp_demo", namespace) as node:
+    with detector_process(namespace, log) as process, ros_node("lane_dp_demo", namespace) as node:
         for topic, (message_class, type_name) in OUTPUTS.items():
             callback = _recorder(session, writer, topic, type_name)
             node.create_subscription(message_class, topic, callback, QoSProfile(depth=100), raw=True)
-        with _spinning(node):
+        with spinning(node):
             player = BagPlayer(node, reader)
             _wait_until_connected(node, player, process, log)
             player.play(rate, lambda raw: session.sent_ns.update({raw.time_ns: time.monotonic_ns()}))
             _wait_for_answers(session)
-            _check_alive(process, log)
+            check_alive(process, log)
     return session
 
 
@@ -90,7 +90,7 @@ def _recorder(session: Session, writer: BagWriter, topic: str, type_name: str) -
 def _wait_until_connected(node: Node, player: BagPlayer, process: Process, log: Path) -> None:
     deadline = time.monotonic() + START_TIMEOUT
     while any(node.count_publishers(topic) == 0 for topic in OUTPUTS):
-        _check_alive(process, log)
+        check_alive(process, log)
         if time.monotonic() > deadline:
             raise CommandError(f"lane_detector did not come up within {START_TIMEOUT:g} s, see {log}")
         time.sleep(POLL)
@@ -107,7 +107,8 @@ def _wait_for_answers(session: Session) -> None:
             count, since = session.recorded.total(), time.monotonic()
 
 
-def _check_alive(process: Process, log: Path) -> None:
+def check_alive(process: Process, log: Path) -> None:
+    """Raise CommandError, with the last line of its log, when a lane_detector process has ended."""
     if process.poll() is not None:
         said = [line for line in log.read_text(errors="replace").splitlines() if line.strip()]
         last = said[-1].strip() if said else "it said nothing"
@@ -115,8 +116,8 @@ def _check_alive(process: Process, log: Path) -> None:
 
 
 @contextmanager
-def _detector_process(namespace: str, log: Path) -> Iterator[Process]:
-    """Run lane_detector while the block runs, not a moment longer."""
+def detector_process(namespace: str, log: Path) -> Iterator[Process]:
+    """Run lane_detector while the block runs, not a moment longer; what it prints goes to `log`."""
     package_root = str(Path(__file__).resolve().parents[2])
     paths = [package_root, *filter(None, [os.environ.get("PYTHONPATH")])]
     module = "lane_dp_ros.ros.lane_detector_node"
@@ -152,7 +153,8 @@ def _stop(process: Process) -> None:
 
 
 @contextmanager
-def _spinning(node: Node) -> Iterator[None]:
+def spinning(node: Node) -> Iterator[None]:
+    """Have a thread call the node's callbacks while the block runs."""
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
     thread = threading.Thread(target=_spin, args=(executor,), name="recorder")
