@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
-from lane_dp_ros.core.birdseye.paint_map import PaintMap, PaintMapConfig, band_graph
+from lane_dp_ros.core.birdseye.paint_map import BandsPaintMap, PaintMapConfig
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
-from lane_dp_ros.core.lanes.evidence import line_evidence
+from lane_dp_ros.core.lanes.evidence import measure
+from lane_dp_ros.core.lanes.plane_sweep import PlaneSweepConfig
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import Road, ScenePair, render_pair
 
@@ -54,13 +57,16 @@ def camera() -> StereoCamera:
 
 
 @pytest.fixture(scope="session")
-def disparity_of() -> Callable[..., np.ndarray]:
-    """Return a function: the disparity picture of a road without anything on it, NaN above the horizon."""
+def disparity_of() -> Callable[..., DisparityMap]:
+    """Return a function: the disparity of a road without anything on it, NaN above the horizon.
 
-    def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE) -> np.ndarray:
+    It is matched at full resolution: `matched` is the picture, to be drawn on.
+    """
+
+    def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE) -> DisparityMap:
         v, u = np.mgrid[: shape[0], : shape[1]].astype(np.float32)
         disparity = surface.disparity(u, v)
-        return np.where(disparity > 0, disparity, np.nan).astype(np.float32)
+        return DisparityMap(shape, 0, np.where(disparity > 0, disparity, np.nan).astype(np.float32))
 
     return disparity_of
 
@@ -174,10 +180,10 @@ class PaintedRoad:
             image, self.seen, on_road, self.height, u, v, self.s, self.n, self.axis, surface, surface
         )
 
-    def bands(self) -> tuple[BirdsEyeView, PaintMap]:
-        """Return the view and its graph of bright bands."""
+    def bands(self) -> PaintProfile:
+        """Return the view with its map of bright bands."""
         view = self.view()
-        return view, band_graph(view, PaintMapConfig())
+        return PaintProfile(view, BandsPaintMap(PaintMapConfig()).build(view))
 
 
 @pytest.fixture(scope="session")
@@ -191,11 +197,12 @@ def evidence_of() -> Callable[..., LaneEvidence]:
     """Return a function: the evidence for a line on a road at n [m], from s = first to last."""
 
     def evidence_of(road, course=1.025, first=0.0, last=100.0):
-        view, graph = road.bands()
-        rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
-        s = view.s[rows]
+        paint = road.bands()
+        rows = np.flatnonzero((paint.view.s >= first) & (paint.view.s <= last))[::-1]
+        s = paint.view.s[rows]
         n = course(s) if callable(course) else np.full(len(s), course)
-        mono = StereoFrame(view.image, None, view.height, view.surface, view.ground)
-        return line_evidence(LaneLine(rows, s, n, bend=0.0, score=10.0), view, graph, mono)
+        line, mono = LaneLine(rows, s, n, bend=0.0, score=10.0), StereoFrame(paint.view.image)
+        (found,) = measure([line], paint, mono, PlaneSweepConfig(), lambda *_: True)
+        return found
 
     return evidence_of

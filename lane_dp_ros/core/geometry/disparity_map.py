@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,8 +49,4 @@ class DisparityMap:
     @cached_property
     def full(self) -> NDArray[np.float32]:
         """The disparity (H, W) [px] of every pixel, NaN where there is none."""
-        disparity = np.full(self.shape, np.nan, np.float32)
-        size = self.shape[1], self.shape[0] - self.first
-        if size[1] > 0:
-            disparity[self.first :] = cv2.resize(self.matched, size, interpolation=cv2.INTER_NEAREST)
-        return disparity
+        return self.at(np.arange(self.shape[0])[:, None], np.arange(self.shape[1])[None])

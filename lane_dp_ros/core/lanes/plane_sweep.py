@@ -118,9 +118,8 @@ def _seen(u: Floats, v: Floats, u_right: Floats, shape: tuple[int, ...]) -> NDAr
 
 def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> NDArray[np.float32]:
     """Return the grey values at columns u (planes, rows, columns) and rows v (rows, columns)."""
-    map_v = np.broadcast_to(v, u.shape).reshape(-1, u.shape[2])
-    sampled = cv2.remap(image, u.reshape(map_v.shape), map_v, cv2.INTER_LINEAR)
-    return np.asarray(sampled, dtype=np.float32).reshape(u.shape)
+    # Plane by plane: OpenCV samples at most 32,766 rows at once, fewer than many lines have on all planes.
+    return np.stack([cv2.remap(image, plane, v, cv2.INTER_LINEAR) for plane in u]).astype(np.float32)
 
 
 def _heights(
