@@ -36,9 +36,9 @@ BARE = Summary(frames=10)
 
 
 @pytest.fixture(scope="module")
-def pairs():
+def pairs(rendered):
     """Two consecutive frames of an ordinary road."""
-    frames = [render_frame(Scene(motion=Motion(start=100.0)), i, 1) for i in range(2)]
+    frames = [rendered(render_frame, Scene(motion=Motion(start=100.0)), i, 1) for i in range(2)]
     return [
         judged_set.JudgedPair(
             f"road/{i:02d}",

@@ -95,10 +95,10 @@ def right_of() -> Callable[..., np.ndarray]:
 
 
 @pytest.fixture(scope="session", params=SCENES, ids=str)
-def scene(request) -> tuple[Road, ScenePair]:
+def scene(request, rendered) -> tuple[Road, ScenePair]:
     """A rendered stereo pair, grey, and the road in it: all is known exactly."""
     road = SCENES[request.param]
-    pair = render_pair(road, 50.0, 3)
+    pair = rendered(render_pair, road, 50.0, 3)
     left, right = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (pair.left, pair.right))
     return road, replace(pair, left=left, right=right)
 

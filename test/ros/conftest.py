@@ -6,12 +6,9 @@ import os
 from pathlib import Path
 
 # ruff: noqa: E402
-# Before any ROS import: a domain of its own, so that runs side by side do not hear one another; the DDS
-# profile, without which images get lost between processes; and messages that check their fields' types.
+# Before any ROS import: the DDS profile, without which images get lost between processes.
 PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_big_images.xml"
 os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
-os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 
 import threading
 import time
@@ -30,7 +27,7 @@ from visualization_msgs.msg import MarkerArray
 from lane_dp_ros.messages.conversions import image_to_ros, lanes_from_ros
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.ros.rclpy_message import rclpy_message
-from lane_dp_ros.scenes import CAMERA, SIZE, render_sequence
+from lane_dp_ros.scenes import CAMERA, SIZE
 
 SIDES = ("left", "right")
 DEADLINE = 15.0  # s
@@ -38,10 +35,9 @@ FRAME_NS = 100_000_000
 
 
 @pytest.fixture(scope="session")
-def scene_pair():
+def scene_pair(scene_pairs):
     """A rendered road with lanes, as the left and the right image (BGR)."""
-    pair = next(render_sequence(frames=1, rate=10.0, seed=1))
-    return pair.left, pair.right
+    return scene_pairs[0].left, scene_pairs[0].right
 
 
 def projections(scale=1.0):
