@@ -84,9 +84,11 @@ def test_an_image_above_the_horizon_has_no_disparity():
     assert np.isnan(dense_disparity(left, right, replace(LEVEL, cy=1e9), CONFIG)).all()
 
 
-def test_awkward_images_and_cameras_give_a_picture(awkward_image, awkward_camera):
-    found = dense_disparity(awkward_image, awkward_image, awkward_camera, CONFIG)
-    assert found.shape == awkward_image.shape
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_images_and_cameras_give_a_picture(awkward, data):
+    image, _, camera = data.draw(awkward)
+    assert dense_disparity(image, image, camera, CONFIG).shape == image.shape
 
 
 @pytest.mark.parametrize("name", parameters(CONFIG))
