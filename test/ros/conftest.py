@@ -25,6 +25,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from lane_dp_ros.messages.conversions import image_to_ros, lanes_from_ros
+from lane_dp_ros.ros import lane_detector_node
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.ros.rclpy_message import rclpy_message
 from lane_dp_ros.scenes import CAMERA, SIZE
@@ -32,6 +33,7 @@ from lane_dp_ros.scenes import CAMERA, SIZE
 SIDES = ("left", "right")
 DEADLINE = 15.0  # s
 FRAME_NS = 100_000_000
+REPORT_PERIOD = 0.2  # s; a node in a process of its own keeps its second
 
 
 @pytest.fixture(scope="session")
@@ -55,6 +57,7 @@ class Rig:
     def __init__(self, scene_pair, with_node=True, cli_args=None, namespace="", **node_options):
         self.scene_pair = scene_pair
         self.stamp_ns = 1_000_000_000
+        self.frame_ns = FRAME_NS
         self.context = Context()
         rclpy.init(context=self.context)
         options = {"context": self.context, "cli_args": cli_args, "namespace": namespace}
@@ -116,7 +119,7 @@ class Rig:
             self.info_publishers[side].publish(CameraInfo(width=size[0], height=size[1], p=P))
 
     def next_stamp(self):
-        self.stamp_ns += FRAME_NS
+        self.stamp_ns += self.frame_ns
         return self.stamp_ns
 
     def send(self, left=None, right=None, stamp_ns=None):
@@ -167,8 +170,9 @@ class Rig:
 
 
 @pytest.fixture
-def make_rig(scene_pair):
+def make_rig(scene_pair, monkeypatch):
     """Return a function that starts a `Rig`; all are closed after the test."""
+    monkeypatch.setattr(lane_detector_node, "REPORT_PERIOD", REPORT_PERIOD)
     rigs = []
 
     def make(**node_options):
