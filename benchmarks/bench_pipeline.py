@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Measure the whole pipeline stage by stage on one core: milliseconds a stage and frames a second.
+"""Measure the whole pipeline stage by stage on one core, and beside the time of a stereo matcher.
 
-python benchmarks/bench_pipeline.py [-o DIR] [--frames N]
-Writes pipeline.md (the tables) and pipeline.png (stacked bars). Rendered pairs are always measured, KITTI's
-where they are: the data folder is $LANE_DP_DATA, else shared/data beside the repository.
+python benchmarks/bench_pipeline.py [-o DIR] [--frames N] [--rounds N]
+Writes pipeline.md (milliseconds a stage and frames a second, ratios to a matcher) and pipeline.png (stacked
+bars). Rendered pairs are always measured, KITTI's where they are: the data folder is $LANE_DP_DATA, else
+shared/data beside the repository. The ratios are of the labelled KITTI frames where there are any.
 """
 
 from __future__ import annotations
@@ -20,16 +21,19 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from command_line import data_folder, exit_code
+from matcher_ratio import CameraPair
+from matcher_ratio import measure as measure_ratios
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
-from tqdm import tqdm
+from study_runner import labelled_pairs
 
 from lane_dp_ros import scenes
 from lane_dp_ros.core.config import PRESETS, preset
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.tools.datasets.kitti import LAYOUTS, load_pairs
+from lane_dp_ros.tools.progress import progress
 
 WANTED_RATE = 20  # frames a second, default preset
 WARM_UP = 3  # frames
@@ -40,10 +44,10 @@ KITTI = {
     "KITTI odometry 01": ("kitti-odometry", "kitti_odometry/sequences/01"),
     "KITTI odometry 02": ("kitti-odometry", "kitti_odometry/sequences/02"),
 }
+RATIO = """The default preset and each matcher (128 disparities; the product's other matcher parameters,
+StereoBM with a block of 15) ran one after the other on the same core; medians of the core's time."""
 REST = "rest"  # what is between the stages: colour to grey, the result
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-
-Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 
 @dataclass(frozen=True)
@@ -52,12 +56,12 @@ class Source:
 
     name: str
     camera: StereoCamera
-    pairs: list[Pair]
+    pairs: list[StereoFrame]
 
     @property
     def kind(self) -> str:
         """What the images are."""
-        image = self.pairs[0][0]
+        image = self.pairs[0].left
         return f"{image.shape[1]}x{image.shape[0]} {'grey' if image.ndim == 2 else 'colour'}"
 
 
@@ -85,11 +89,11 @@ class Timing:
         """Return the part that these seconds are of the whole."""
         return sum(seconds) / sum(self.whole)
 
-    def add(self, left: NDArray[np.uint8], right: NDArray[np.uint8]) -> None:
+    def add(self, frame: StereoFrame) -> None:
         """Detect once, and note how long it took."""
         detector = LaneDetector(self.source.camera, preset(self.preset))
         start, start_processor = time.perf_counter(), time.process_time()
-        stages = detector.detect(left, right).seconds
+        stages = detector.detect(frame).seconds
         self.whole.append(time.perf_counter() - start)
         self.processor += time.process_time() - start_processor
         for stage, seconds in {**stages, REST: self.whole[-1] - sum(stages.values())}.items():
@@ -108,8 +112,8 @@ def stay_on_one_core() -> None:
 def rendered() -> Source:
     """Render pairs of a curved road, as large as KITTI's."""
     frames = scenes.render_sequence(DIFFERENT_PAIRS, 2.0, SEED)
-    progress = tqdm(frames, "rendering", DIFFERENT_PAIRS, unit="pair", disable=None)
-    return Source("rendered", scenes.CAMERA, [(frame.left, frame.right) for frame in progress])
+    pairs = [StereoFrame(pair.left, pair.right) for pair in progress(frames, DIFFERENT_PAIRS, "pair")]
+    return Source("rendered", scenes.CAMERA, pairs)
 
 
 def read_kitti(name: str, layout: str, folder: Path) -> Source:
@@ -118,7 +122,7 @@ def read_kitti(name: str, layout: str, folder: Path) -> Source:
     step = max(1, len(sequence) // DIFFERENT_PAIRS)
     pairs = islice(load_pairs(sequence), 0, step * DIFFERENT_PAIRS, step)
     camera = StereoCamera.from_projections(sequence.P_left, sequence.P_right)
-    return Source(name, camera, [(pair.left, pair.right) for pair in pairs])
+    return Source(name, camera, [StereoFrame(pair.left, pair.right) for pair in pairs])
 
 
 def sources(root: Path) -> Iterator[Source | str]:
@@ -135,10 +139,24 @@ def measure(timings: list[Timing], frames: int) -> None:
     """Measure all; they take turns, so that whatever else runs on the machine meets them all."""
     for timing in timings:
         for pair in timing.source.pairs[:WARM_UP]:
-            Timing(timing.source, timing.preset).add(*pair)
-    for i in tqdm(range(frames), "measuring", unit="round", disable=None):
+            Timing(timing.source, timing.preset).add(pair)
+    for i in progress(range(frames), frames, "round"):
         for timing in timings:
-            timing.add(*timing.source.pairs[i % len(timing.source.pairs)])
+            timing.add(timing.source.pairs[i % len(timing.source.pairs)])
+
+
+def ratios(root: Path, rounds: int) -> str:
+    """Measure the detector beside full-resolution matchers; return a table."""
+    labels = root / "labels" / "lanes.json"
+    pairs: list[CameraPair] = []
+    if labels.is_file():
+        pairs = [(pair.camera, pair.frame) for pair in labelled_pairs(root, labels)]
+    else:
+        source = rendered()
+        pairs = [(source.camera, frame.grey()) for frame in source.pairs]
+    what = f"{len(pairs)} {'labelled KITTI' if labels.is_file() else 'rendered'} pairs, {rounds} times each"
+    lines = measure_ratios(pairs, rounds).lines()
+    return "\n".join(["## Beside a full-resolution stereo matcher", "", *lines, "", f"{what}. {RATIO}"])
 
 
 def table(timings: list[Timing]) -> Iterator[str]:
@@ -208,41 +226,40 @@ def draw(timings: list[Timing], path: Path) -> None:
     figure.savefig(path, dpi=120)
 
 
-def arguments() -> argparse.Namespace:
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument(
-        "-o", "--output", type=Path, default=Path("bench"), help="where to write (default: bench)"
-    )
-    parser.add_argument(
-        "--frames", type=int, default=30, metavar="N", help="of each preset and source (default: 30)"
-    )
-    args = parser.parse_args()
-    if args.frames < 1:
-        parser.error(f"--frames is {args.frames}, expected at least 1")
-    return args
-
-
-def main() -> None:
+def run(arguments: argparse.Namespace) -> None:
     """Measure, print the tables, write them and the picture."""
-    args = arguments()
-    try:
-        args.output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        sys.exit(f"{args.output} cannot be made a directory ({error.strerror}), expected one to write to")
+    arguments.output.mkdir(parents=True, exist_ok=True)
     stay_on_one_core()
-    beside = Path(__file__).resolve().parents[2] / "shared" / "data"
-    try:
-        there = list(sources(Path(os.environ.get("LANE_DP_DATA", beside))))
-    except CommandError as error:
-        sys.exit(str(error))
+    root = data_folder()
+    there = list(sources(root))
     timings = [Timing(source, name) for name in PRESETS for source in there if isinstance(source, Source)]
-    measure(timings, args.frames)
-    text = report(timings, [line for line in there if isinstance(line, str)])
-    (args.output / "pipeline.md").write_text(f"# The whole pipeline, stage by stage\n\n{text}\n")
-    draw(timings, args.output / "pipeline.png")
+    measure(timings, arguments.frames)
+    stages = report(timings, [line for line in there if isinstance(line, str)])
+    text = f"{stages.rstrip()}\n\n{ratios(root, arguments.rounds)}"
+    (arguments.output / "pipeline.md").write_text(f"# The whole pipeline, stage by stage\n\n{text}\n")
+    draw(timings, arguments.output / "pipeline.png")
     print(text)
 
 
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"{text}: expected at least 1")
+    return count
+
+
+def main() -> int:
+    """Measure and print; 1 for a known error, in one line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("-o", "--output", type=Path, default=Path("bench"), help="default: bench")
+    parser.add_argument(
+        "--frames", type=_count, default=30, metavar="N", help="of each preset and source (default: 30)"
+    )
+    parser.add_argument(
+        "--rounds", type=_count, default=3, metavar="N", help="of the ratios to a matcher (default: 3)"
+    )
+    return exit_code(run, parser.parse_args())
+
+
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

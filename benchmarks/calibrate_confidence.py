@@ -4,35 +4,33 @@
 
 python benchmarks/calibrate_confidence.py DATA [SUITE] [--evidence score,run] [--set NAME=VALUE ...]
 DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Prints for each number of a line's
-evidence how many of the lines are right in each fifth of them, then a logistic regression of "is right" on
-the logarithms of the numbers that --evidence names, and how reliable it is on sequences left out of it.
+evidence how many of the lines are right in each fifth of them, for each reason of a refusal how many of the
+refused candidates are right, then a logistic regression of "is right" on the logarithms of the numbers that
+--evidence names, and how reliable it is on sequences left out of it.
 Thresholds set lower (--set lane_selection.score_min=1) let more wrong lines through to learn from.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
-from unittest.mock import patch
 
 import numpy as np
-import yaml
-from command_line import exit_code, parser_of
+from command_line import add_settings, exit_code, parser_of
 from numpy.typing import NDArray
-from study_runner import JudgedPair, kitti_pairs, labelled_pairs
+from study_runner import JudgedPair, kitti_pairs, labelled_pairs, lane_of
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lanes import lifting as lanes_module
-from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.candidate import Candidate
 from lane_dp_ros.core.parameter import replaced
-from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.evaluation.reliability import Reliability, reliability
+from lane_dp_ros.tools.evaluation.scores import JudgedLine
 from lane_dp_ros.tools.progress import progress
 
 Floats = NDArray[np.float64]
@@ -41,48 +39,41 @@ PARTS = 5  # of the lines, by each number
 SMALLEST = 1e-3  # below it the logarithm of a number is that of this
 RIDGE = 1e-2  # holds the weights where lines are few
 ROUNDS = 30  # of Newton's method
-FORGETFUL = "lane_dp_ros.core.lanes.lifting._lane"  # makes a Lane of line, evidence, view, role
 
 
 @dataclass(frozen=True)
-class Published:
-    """A published line: its sequence, the numbers of its evidence, its confidence, whether it is right."""
+class JudgedCandidate:
+    """A candidate: its sequence, the numbers of its evidence, its confidence, whether it is right.
+
+    `refusal` says why it is not published, empty where it is; a refused one is judged as if it were the only
+    line of the frame.
+    """
 
     sequence: str
     evidence: Mapping[str, float]
     confidence: float
     right: bool
+    refusal: str = ""
 
 
-def published_lines(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[Published]:
-    """Yield every line that is published for the pairs, each pair by itself."""
-    for pair in pairs:
-        with _evidence_kept() as kept:
-            result = pair.judged(pair.detected(config).lanes)
-        for detection in result.detections:
-            lane = detection.lane
-            yield Published(pair.sequence, kept[id(lane)], lane.confidence, not detection.wrong)
+def judged_candidates(pair: JudgedPair, config: DetectorConfig) -> Iterator[JudgedCandidate]:
+    """Yield every candidate of a pair, by itself, those that are published first."""
+    detection = pair.detected(config)
+    published = [each for each in detection.candidates if not each.refusal]
+    published.sort(key=lambda candidate: float(candidate.line.n[0]))  # as the lanes are
+    for candidate, judged in zip(published, pair.judged(detection.lanes).detections, strict=True):
+        yield _judged(pair, candidate, judged)
+    for candidate in detection.candidates:
+        if candidate.refusal:
+            (judged,) = pair.judged((lane_of(candidate, detection),)).detections
+            yield _judged(pair, candidate, judged)
 
 
-@contextmanager
-def _evidence_kept() -> Iterator[dict[int, dict[str, float]]]:
-    """Give the evidence of each Lane that is made meanwhile, by its identity."""
-    made: list[Lane] = []  # kept alive: no other object gets its identity
-    kept: dict[int, dict[str, float]] = {}
-    make = lanes_module._lane
-
-    def make_and_keep(line: LaneLine, evidence: LaneEvidence, *rest: Any) -> Lane:
-        lane = make(line, evidence, *rest)
-        made.append(lane)
-        kept[id(lane)] = {**_numbers(evidence), "score": line.score, "length": line.length}
-        return lane
-
-    with patch(FORGETFUL, make_and_keep):
-        yield kept
-
-
-def _numbers(evidence: LaneEvidence) -> dict[str, float]:
-    return {name: float(value) for name, value in asdict(evidence).items() if np.ndim(value) == 0}
+def _judged(pair: JudgedPair, candidate: Candidate, judged: JudgedLine) -> JudgedCandidate:
+    evidence = {name: float(value) for name, value in asdict(candidate.evidence).items()}
+    numbers = {**evidence, "score": candidate.score, "length": candidate.line.length}
+    confidence = judged.lane.confidence
+    return JudgedCandidate(pair.sequence, numbers, confidence, not judged.wrong, candidate.refusal)
 
 
 def fit_logistic(numbers: Floats, right: Floats) -> Floats:
@@ -109,7 +100,7 @@ def _sigmoid(x: Floats) -> Floats:
     return np.asarray(1 / (1 + np.exp(-np.clip(x, -30, 30))))
 
 
-def left_out(lines: Sequence[Published], names: Sequence[str]) -> Reliability:
+def left_out(lines: Sequence[JudgedCandidate], names: Sequence[str]) -> Reliability:
     """Return the reliability of the regression on each sequence by the weights of all others."""
     numbers, right = _arrays(lines, names)
     sequences = np.array([line.sequence for line in lines])
@@ -121,7 +112,7 @@ def left_out(lines: Sequence[Published], names: Sequence[str]) -> Reliability:
     return reliability(confidence, right)
 
 
-def _arrays(lines: Sequence[Published], names: Sequence[str]) -> tuple[Floats, Floats]:
+def _arrays(lines: Sequence[JudgedCandidate], names: Sequence[str]) -> tuple[Floats, Floats]:
     try:
         numbers = np.array([[line.evidence[name] for name in names] for line in lines])
     except KeyError as error:
@@ -131,7 +122,7 @@ def _arrays(lines: Sequence[Published], names: Sequence[str]) -> tuple[Floats, F
     return numbers, np.array([line.right for line in lines], dtype=np.float64)
 
 
-def print_parts(lines: Sequence[Published]) -> None:
+def print_parts(lines: Sequence[JudgedCandidate]) -> None:
     """Print, for each number of the evidence, how many lines are right in each fifth of them."""
     right = np.array([line.right for line in lines])
     print(f"{len(lines)} lines, {right.sum()} right. Right of all in each fifth, by (from):")
@@ -139,7 +130,18 @@ def print_parts(lines: Sequence[Published]) -> None:
         values = np.array([line.evidence[name] for line in lines])
         parts = np.array_split(np.argsort(values, kind="stable"), PARTS)
         texts = [f"{values[p[0]]:7.2f}: {right[p].sum():3d} of {len(p):3d}" for p in parts if len(p)]
-        print(f"{name:12s} {'   '.join(texts)}")
+        print(f"{name:22s} {'   '.join(texts)}")
+
+
+def print_refusals(candidates: Sequence[JudgedCandidate]) -> None:
+    """Print how many of the refused candidates lie on a label, by the reason, its numbers left away."""
+    refused: dict[str, list[bool]] = defaultdict(list)
+    for each in candidates:
+        if each.refusal:
+            refused[re.sub(r"-?\d+(\.\d+)?", "#", each.refusal)].append(each.right)
+    print(f"\n{sum(map(len, refused.values()))} candidates refused. No wrong lines, of all, by the reason:")
+    for reason, right in sorted(refused.items(), key=lambda item: -len(item[1])):
+        print(f"{sum(right):4d} of {len(right):4d}  {reason}")
 
 
 def print_reliability(title: str, bins: Reliability) -> None:
@@ -155,12 +157,14 @@ def run(arguments: argparse.Namespace) -> None:
     pairs = kitti_pairs(arguments.data)
     if arguments.suite is not None:
         pairs += labelled_pairs(arguments.suite, arguments.suite / "truth.json")
-    lines = [
-        each for pair in progress(iter(pairs), len(pairs), "pair") for each in published_lines([pair], config)
+    candidates = [
+        each for pair in progress(pairs, len(pairs), "pair") for each in judged_candidates(pair, config)
     ]
+    lines = [each for each in candidates if not each.refusal]
     if not lines:
         raise CommandError("no line was published: nothing to learn from")
     print_parts(lines)
+    print_refusals(candidates)
     names = arguments.evidence.split(",")
     numbers, right = _arrays(lines, names)
     weights = fit_logistic(numbers, right)
@@ -171,19 +175,12 @@ def run(arguments: argparse.Namespace) -> None:
     print_reliability("so, each sequence left out of the fit", left_out(lines, names))
 
 
-def _setting(text: str) -> tuple[str, Any]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise argparse.ArgumentTypeError(f"{text} is no NAME=VALUE")
-    return name, yaml.safe_load(value)
-
-
 def main() -> int:
     """Count, fit and print; 1 for a known error, in one line."""
     parser = parser_of(__doc__)
     parser.add_argument("suite", type=Path, nargs="?", metavar="SUITE")
     parser.add_argument("--evidence", default="score", metavar="NAMES", help="default: score")
-    parser.add_argument("--set", type=_setting, action="append", default=[], metavar="NAME=VALUE")
+    add_settings(parser)
     return exit_code(run, parser.parse_args())
 
 

@@ -1,41 +1,34 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which single threshold keeps a labelled line from being found.
+"""Why labelled lines are not found: what became of the candidates along them.
 
-python benchmarks/explain_misses.py DATA [SUITE] [--jobs N]
-DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Where labels are not found, each
-threshold of thresholds.py is set to the lowest and the highest value there, one at a time. Printed is for
-each of these labels with which of them it would be found. With none, several tests speak against it, or the
-road's direction or surface is wrong.
+python benchmarks/explain_misses.py DATA [SUITE] [--set NAME=VALUE ...]
+DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Printed is, for each label that is not
+found, every candidate near it: how far beside it and over what share of it, its metres of paint, and why it
+is refused. Without a candidate no path leads there, or the road's direction or surface is wrong.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
-from command_line import exit_code, parser_of
-from study_runner import JudgedPair, Judges, kitti_pairs, labelled_pairs
-from thresholds import THRESHOLDS, changed
+import numpy as np
+from command_line import add_settings, exit_code, parser_of
+from study_runner import JudgedPair, kitti_pairs, labelled_pairs, lane_of
 
 from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.detector import LaneDetection
+from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation.annotations import Label, by_depth
+from lane_dp_ros.tools.evaluation.matching import END_SLACK
 from lane_dp_ros.tools.evaluation.scores import FrameScore
-from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.progress import progress
 
-Change = tuple[DetectorConfig, Mapping[str, Any]]
-
-
-def extremes() -> Iterator[tuple[str, Change]]:
-    """Yield each threshold at either limit, by what it says, with the configuration and the constants."""
-    for name, grid in THRESHOLDS.items():
-        for value in (min(grid), max(grid)):
-            with suppress(ValueError):  # contradicts another one, such as a width more than the greatest
-                yield f"{name} {value:g}", changed({name: value})
+NEAR = 0.5  # m beside a label, in the mean; a candidate farther off is of something else
 
 
 def not_found(result: FrameScore) -> list[str]:
@@ -44,31 +37,64 @@ def not_found(result: FrameScore) -> list[str]:
     return [label for label in result.labels if label not in found]
 
 
+def beside(pair: JudgedPair, label: Label, lane: Lane) -> tuple[float, float]:
+    """Return the mean distance [m] of a lane from a label on the label's ground, and the share it covers.
+
+    Infinite and 0 where it covers none of it.
+    """
+    assert pair.truth is not None
+    line = by_depth(pair.truth.on_ground(pair.camera.project(lane.points)))
+    x, z = label.samples.T
+    if not len(line):
+        return np.inf, 0.0
+    covered = (z >= line[0, 1] - END_SLACK) & (z <= line[-1, 1] + END_SLACK)
+    if not covered.any():
+        return np.inf, 0.0
+    aside = np.interp(z[covered], line[:, 1], line[:, 0]) - x[covered]
+    return float(np.abs(aside).mean()), float(covered.mean())
+
+
+def explanations(pair: JudgedPair, detection: LaneDetection, label: Label) -> list[str]:
+    """Return what there is to say of each candidate near a label, the nearest first."""
+    found = [(*beside(pair, label, lane_of(each, detection)), each) for each in detection.candidates]
+    near = sorted((each for each in found if each[0] <= NEAR), key=lambda each: each[0])
+    if not near:
+        nothing = "" if detection.candidates else detection.note
+        return [nothing or f"no candidate within {NEAR:g} m"]
+    return [
+        f"{candidate.variant}, {aside:.2f} m beside {share:.0%} of it, {candidate.score:.1f} m of paint: "
+        + (candidate.refusal or "published")
+        for aside, share, candidate in near
+    ]
+
+
+def misses(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[str]:
+    """Yield a line for each label that is not found, and one for each candidate near it."""
+    for pair in progress(pairs, len(pairs), "pair"):
+        if pair.truth is None:
+            continue
+        detection = pair.detected(config)
+        missed = not_found(pair.judged(detection.lanes))
+        for label in pair.truth.labels:
+            if label.id in missed:
+                yield f"{pair.name} {label.id}:"
+                yield from (f"  {text}" for text in explanations(pair, detection, label))
+
+
 def run(arguments: argparse.Namespace) -> None:
-    """Judge by the defaults, then those that fail with every change, and print."""
-    pairs: Sequence[JudgedPair] = kitti_pairs(arguments.data)
+    """Detect, judge and print."""
+    config = replaced(DetectorConfig(), dict(arguments.set))
+    pairs = kitti_pairs(arguments.data)
     if arguments.suite is not None:
-        pairs = [*pairs, *labelled_pairs(arguments.suite, arguments.suite / "truth.json")]
-    with Judges(pairs, arguments.jobs, alone=True) as judges:
-        before = {result.name: result for result in judges.results(DetectorConfig())}
-    failing = [pair for pair in pairs if not_found(before[pair.name])]
-    changes = list(extremes())
-    after: dict[str, dict[str, FrameScore]] = {pair.name: {} for pair in failing}
-    with Judges(failing, arguments.jobs, alone=True) as judges:
-        for name, change in progress(iter(changes), len(changes), "change"):
-            for result in judges.results(*change):
-                after[result.name][name] = result
-    for pair in failing:
-        for label in not_found(before[pair.name]):
-            mended = [name for name, result in after[pair.name].items() if label not in not_found(result)]
-            print(f"{pair.name} {label}: {', '.join(mended) or 'no single threshold'}")
+        pairs += labelled_pairs(arguments.suite, arguments.suite / "truth.json")
+    print(*misses(pairs, config), sep="\n")
 
 
 def main() -> int:
     """Judge and print; 1 for a known error, in one line."""
     parser = parser_of(__doc__)
     parser.add_argument("suite", type=Path, nargs="?", metavar="SUITE")
-    parser.add_argument("--jobs", type=int, default=available_cpus(), metavar="N")
+    add_settings(parser)
     return exit_code(run, parser.parse_args())
 
 

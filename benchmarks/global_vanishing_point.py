@@ -31,9 +31,9 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
 from lane_dp_ros.core.road.road_profile import RoadProfileConfig, fit_road_surface
+from lane_dp_ros.core.types import Image, StereoFrame
 
 Floats = NDArray[Any]
-Image = NDArray[np.uint8]
 
 NAME = "a reading of Wang '12"  # in tables
 
@@ -87,15 +87,15 @@ def lanes(left: Image, right: Image, camera: StereoCamera) -> list[Floats]:
 
     Empty where nothing is found.
     """
-    grey_left, grey_right = _grey(left), _grey(right)
-    disparity = dense_disparity(grey_left, grey_right, camera, DisparityConfig())
+    frame = StereoFrame(left, right).grey()
+    disparity = dense_disparity(frame, camera, DisparityConfig())
     road = fit_road_surface(disparity, camera, RoadProfileConfig(), np.random.default_rng(0))
-    point = vanishing_point(grey_left, camera)
+    point = vanishing_point(frame.left, camera)
     if road is None or point is None:
         return []
     rays = Rays(*point, road)
-    edges = _edges(grey_left, rays)
-    found = [_line(grey_left, edges, rays, aside, width) for aside, width in _bands(edges)]
+    edges = _edges(frame.left, rays)
+    found = [_line(frame.left, edges, rays, aside, width) for aside, width in _bands(edges)]
     return [line for line in found if line is not None]
 
 
@@ -213,7 +213,3 @@ def _at(grey: Image, v: Floats, u: Floats) -> Floats:
     """Return the grey levels at pixels, between them linearly."""
     found = cv2.remap(grey, u.astype(np.float32), v.astype(np.float32), cv2.INTER_LINEAR)
     return found.ravel().astype(np.float64)
-
-
-def _grey(image: Image) -> Image:
-    return image if image.ndim == 2 else np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)

@@ -13,18 +13,20 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from lane_dp_ros.core.camera import StereoCamera
-from lane_dp_ros.tools.answers import read_picture
-from lane_dp_ros.tools.bag import BagWriter
-from lane_dp_ros.tools.convert import StereoBagWriter, progress
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.kitti import PAIR_SPACING, StereoImages, read_odometry
-from lane_dp_ros.tools.labels import LabelledFrame
-from lane_dp_ros.tools.truth import load_truth
 from numpy.typing import NDArray
 from versions import fingerprint
 
-from lane_dp_ros.tools import cli, scenes
+from lane_dp_ros import scenes
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.messages.bag import BagWriter
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
+from lane_dp_ros.tools import cli
+from lane_dp_ros.tools.datasets.kitti import PAIR_SPACING, read_odometry
+from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
+from lane_dp_ros.tools.evaluation.answers import read_picture
+from lane_dp_ros.tools.evaluation.truth_file import load_truth
+from lane_dp_ros.tools.progress import progress
 
 Floats = NDArray[np.float64]
 

@@ -9,17 +9,18 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from lane_dp_ros.tools.labels import by_depth
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation.annotations import by_depth
 
 Floats = NDArray[np.float64]
-Kind = Literal["appears", "vanishes", "moves", "confidence", "no answer"]
+Kind = Literal["appears", "vanishes", "moves", "extent", "role", "confidence", "no answer"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 SAME_LINE = 0.5  # m; mean lateral distance below which two lines may be one and the same
 MOVED = 0.02  # m; largest lateral distance that is no difference
+EXTENT = 1.0  # m; largest change of the nearest or farthest depth that is no difference
 CONFIDENCE = 0.05  # largest change of the confidence that is no difference
 
 
@@ -81,16 +82,23 @@ def lateral_distances(a: Lane, b: Lane) -> Floats:
 
 def describe(lane: Lane) -> str:
     """Return a line in words: its role, where it begins, over which depths it runs, its confidence."""
-    near, far = lane.extent
-    start = f"x {lane.points[0, 0]:+.2f} m at {near:.1f} m, as far as {far:.1f} m"
+    start = f"x {lane.points[0, 0]:+.2f} m, {_extent(lane)}"
     return f"{lane.role}, {start}, confidence {lane.confidence:.2f}"
 
 
 def _changes_of_line(frame: str, old: Lane, new: Lane) -> Iterator[Change]:
     if (moved := float(lateral_distances(old, new).max())) > MOVED:
         yield Change(frame, "moves", f"by {moved:.3f} m: {describe(new)}")
+    if np.abs(np.subtract(new.extent, old.extent)).max() > EXTENT:
+        yield Change(frame, "extent", f"from {_extent(old)}: {describe(new)}")
+    if new.role != old.role:
+        yield Change(frame, "role", f"from {old.role}: {describe(new)}")
     if abs(new.confidence - old.confidence) > CONFIDENCE:
         yield Change(frame, "confidence", f"from {old.confidence:.2f}: {describe(new)}")
+
+
+def _extent(lane: Lane) -> str:
+    return "{:.1f} to {:.1f} m".format(*lane.extent)
 
 
 def _mean(distances: Floats) -> float:

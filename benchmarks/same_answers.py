@@ -6,8 +6,9 @@ python benchmarks/same_answers.py OLD NEW [DATA] [--cache DIR]
 OLD, NEW: git revisions, or folders that hold the project. DATA: the labelled KITTI frames, else the folder
 that LANE_DP_DATA names, else ../shared/data. Compared are the labelled frames, each by itself, the odometry
 drives 01, 02 and 06 in order, and the standard suite of scenes, with both presets. Listed is every line that
-appears, vanishes, moves by more than 2 cm at any depth that both reach, or changes its confidence by more
-than 0.05; then the scores of both. Exit code 1 when anything differs.
+appears, vanishes, moves by more than 2 cm at any depth that both reach, begins or ends more than 1 m farther
+or nearer, changes its role, or changes its confidence by more than 0.05; then the scores of both. Exit code 1
+when anything differs.
 The cache keeps the bags, and the answers of commits; it may be deleted at any time.
 """
 
@@ -15,7 +16,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,19 +23,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from command_line import exit_code
+from command_line import data_folder, exit_code
 from input_bags import LABELLED, SUITE, UNPAINTED, InputBag, input_bags
 from lane_changes import KINDS, Change, changes
-from lane_dp_ros.tools.answers import FrameAnswer
-from lane_dp_ros.tools.convert import progress
-from lane_dp_ros.tools.errors import CommandError
-from lane_dp_ros.tools.evaluation_text import Column, table
-from lane_dp_ros.tools.judging import judge, judge_unpainted
-from lane_dp_ros.tools.summary import summarise
-from versions import HERE, version
+from versions import version
 
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.tools.evaluation import FrameResult, Summary
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.evaluation.answers import FrameAnswer
+from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.summary import Summary, summarise
+from lane_dp_ros.tools.evaluation.text import Column, table
+from lane_dp_ros.tools.progress import progress
 
 PRESETS = ("default", "paper")
 SIDES = ("old", "new")
@@ -80,7 +80,7 @@ class Comparison:
         """Return how many lines each version found in all frames."""
         return [sum(len(answer.lanes) for answer in answers.values()) for answers in (self.old, self.new)]
 
-    def judged(self, side: str) -> list[FrameResult]:
+    def judged(self, side: str) -> list[FrameScore]:
         """Return the verdicts on the lanes of one version."""
         answers = self.old if side == "old" else self.new
         if self.bag.frames:
@@ -160,8 +160,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("old", metavar="OLD", help="git revision or folder")
     parser.add_argument("new", metavar="NEW", help="git revision or folder")
-    beside = os.environ.get("LANE_DP_DATA", HERE.parent / "shared" / "data")
-    parser.add_argument("data", type=Path, nargs="?", default=Path(beside), metavar="DATA")
+    parser.add_argument("data", type=Path, nargs="?", default=data_folder(), metavar="DATA")
     parser.add_argument("--cache", type=Path, default=CACHE, metavar="DIR", help=f"default: {CACHE}")
     return exit_code(run, parser.parse_args())
 

@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Follow the drives, and print."""
     config, everything = DetectorConfig(), []
     for name in DRIVES:
-        pipeline = LanePipeline()
+        pipeline = LanePipeline(monitored=False)
         frames = [pair.followed(config, pipeline) for pair in drive_pairs(arguments.data, name)]
         of_drive = jitters(frames)
         everything += of_drive

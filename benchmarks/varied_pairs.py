@@ -10,9 +10,10 @@ from dataclasses import replace
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from study_runner import Image, JudgedPair
+from study_runner import JudgedPair
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.types import Image, StereoFrame
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 
 GAMMAS = (0.7, 1.4)  # brighter and darker: what cameras differ by
@@ -28,8 +29,8 @@ def varied(pairs: Iterable[JudgedPair]) -> list[JudgedPair]:
 def exposed(pair: JudgedPair, gamma: float) -> JudgedPair:
     """Return a pair with the grey values 255 (g / 255)^gamma."""
     curve = np.rint(255 * (np.arange(256) / 255) ** gamma).astype(np.uint8)
-    left, right = (np.asarray(cv2.LUT(image, curve), np.uint8) for image in (pair.left, pair.right))
-    return _renamed(replace(pair, left=left, right=right), f"gamma {gamma:g}")
+    frame = StereoFrame(*(np.asarray(cv2.LUT(image, curve), np.uint8) for image in _images(pair)))
+    return _renamed(replace(pair, frame=frame), f"gamma {gamma:g}")
 
 
 def mirrored(pair: JudgedPair) -> JudgedPair:
@@ -37,10 +38,16 @@ def mirrored(pair: JudgedPair) -> JudgedPair:
 
     It is another view of the same road, from another place and with another sensor; glare lies elsewhere.
     """
-    camera = _mirrored_camera(pair.camera, pair.right.shape[1])
-    frame = None if pair.frame is None else _mirrored_frame(pair.frame)
-    pair = replace(pair, left=_flipped(pair.right), right=_flipped(pair.left), camera=camera, frame=frame)
-    return _renamed(pair, "mirrored")
+    left, right = _images(pair)
+    camera = _mirrored_camera(pair.camera, right.shape[1])
+    truth = None if pair.truth is None else _mirrored_truth(pair.truth)
+    frame = StereoFrame(_flipped(right), _flipped(left))
+    return _renamed(replace(pair, frame=frame, camera=camera, truth=truth), "mirrored")
+
+
+def _images(pair: JudgedPair) -> tuple[Image, Image]:
+    assert pair.frame.right is not None
+    return pair.frame.left, pair.frame.right
 
 
 def _flipped(image: Image) -> Image:
@@ -52,7 +59,7 @@ def _mirrored_camera(camera: StereoCamera, width: int) -> StereoCamera:
     return replace(camera, cx=width - 1 - right_cx, left_translation=(0.0, 0.0, 0.0))
 
 
-def _mirrored_frame(frame: LabelledFrame) -> LabelledFrame:
+def _mirrored_truth(frame: LabelledFrame) -> LabelledFrame:
     g0, g1, g2, g3 = frame.ground / (1 - frame.ground[3] / 100)  # columns are the right picture's now
     camera = _mirrored_camera(frame.camera, frame.size[0])
     return replace(
@@ -77,5 +84,5 @@ def _mirrored_label(label: Label, frame: LabelledFrame, camera: StereoCamera) ->
 
 def _renamed(pair: JudgedPair, how: str) -> JudgedPair:
     name = f"{pair.name} ({how})"
-    frame = None if pair.frame is None else replace(pair.frame, name=name)
-    return replace(pair, name=name, frame=frame)
+    truth = None if pair.truth is None else replace(pair.truth, name=name)
+    return replace(pair, name=name, truth=truth)

@@ -5,69 +5,75 @@
 import sys
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
-from unittest.mock import patch
-
-import cv2
-import numpy as np
-import pytest
-
-from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.lanes import selection as lane_selection
-from lane_dp_ros.core.parameter import parameters, replaced
-from lane_dp_ros.core.types import Lane
-from lane_dp_ros.scenes.scene import CAMERA, Motion, Scene, render_frame
-from lane_dp_ros.tools.evaluation.summary import Summary
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
 
 import ablation
 import calibrate_confidence
 import explain_misses
 import leave_one_drive_out
+import numpy as np
+import pytest
 import steady_lines
 import study_runner
 import thresholds
 import varied_frames
 import varied_pairs
 
+from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.parameter import parameters, replaced
+from lane_dp_ros.core.pipeline import LanePipeline
+from lane_dp_ros.core.types import Lane, StereoFrame
+from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.summary import Summary
+
 GOOD = Summary(frames=10, ego_labels=20, missed=1, labels=40, matched=38, detections=39, false_lanes=1)
 BARE = Summary(frames=10)
-
-
-@pytest.fixture(scope="module")
-def pairs():
-    """Two consecutive frames of an ordinary road."""
-    frames = [render_frame(Scene(motion=Motion(start=100.0)), i, 1) for i in range(2)]
-    return [
-        study_runner.JudgedPair(
-            f"road/{i:02d}",
-            "road",
-            *(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (frame.left, frame.right)),
-            CAMERA,
-            frame.truth,
-            frame.stamp_ns,
-        )
-        for i, frame in enumerate(frames)
-    ]
 
 
 def test_every_change_of_the_ablation_is_possible():
     ablation.check(ablation.ABLATIONS)
 
 
+@pytest.mark.parametrize("parameters", [{"paint_map.colour": 1}, {"path_search.suppression": 100.0}])
+def test_what_is_gone_is_said_at_the_start(parameters):
+    with pytest.raises(ValueError, match=r"paint_map.colour|path_search.suppression"):
+        ablation.check([ablation.Ablation("a", parameters)])
+
+
+def test_a_name_that_is_gone_cannot_be_replaced():
+    with pytest.raises(AttributeError, match="COLOUR"):
+        study_runner.replacing(ablation.paint_map, COLOUR=1)
+
+
+def test_every_change_of_the_ablation_changes_something():
+    changes = [(each.parameters, each.patches) for each in ablation.ABLATIONS]
+    assert changes[0] == ({}, {})
+    assert all(replaced(DetectorConfig(), p) != DetectorConfig() or patches for p, patches in changes[1:])
+    assert len({each.change for each in ablation.ABLATIONS}) == len(changes)
+
+
 @pytest.mark.parametrize(
-    ("change", "error"),
-    [
-        (ablation.Ablation("a", {"paint_map.colour": 1}), ValueError),
-        (ablation.Ablation("a", {"path_search.suppression": 100.0}), ValueError),
-        (ablation.Ablation("a", patches={"lane_dp_ros.core.birdseye.paint_map.COLOUR": 1}), AttributeError),
-        (ablation.Ablation("a", patches={"lane_dp_ros.core.gone.COLOUR": 1}), (AttributeError, ImportError)),
-    ],
+    "change", [each for each in ablation.ABLATIONS if each.patches], ids=lambda c: c.change
 )
-def test_what_is_gone_is_said_at_the_start(change, error):
-    with pytest.raises(error, match=r"colour|COLOUR|suppression|gone"):
-        ablation.check([change])
+def test_what_takes_the_place_of_a_function_is_called_as_that_was(pairs, change):
+    """A detection with it neither fails nor, where a function is replaced, goes round it."""
+    called = []
+
+    def watched(function):
+        def function_and_note(*arguments):
+            called.append(function)
+            return function(*arguments)
+
+        return function_and_note if callable(function) else function
+
+    patches = {name: watched(value) for name, value in change.patches.items()}
+    steep = {"lane_selection.slope_max": 0.01, "lane_selection.slope_per_bend": 0.0}  # near halves are wanted
+    config = replaced(DetectorConfig(), {**change.parameters, **steep})
+    with study_runner.patched(patches):
+        pipeline = LanePipeline()
+        for pair in pairs:
+            pair.followed(config, pipeline)
+    assert len(set(called)) == sum(map(callable, change.patches.values()))
 
 
 def test_a_row_has_a_cell_under_each_head(pairs):
@@ -78,109 +84,22 @@ def test_a_row_has_a_cell_under_each_head(pairs):
 
 
 def test_processes_answer_as_the_detector_does_with_names_replaced_or_not(pairs):
-    blind = {"lane_dp_ros.core.lanes.path_search.FREE_PASSES": 0}
+    blind = study_runner.replacing(ablation.paint_map, SENSOR_NOISE=1e9)
     with study_runner.Judges(pairs, jobs=2) as judges:
         seen, nothing = judges.results(DetectorConfig()), judges.results(DetectorConfig(), blind)
         again = judges.results(DetectorConfig())
+        strict = judges.results(replaced(DetectorConfig(), {"lane_selection.wide_band_ratio_max": 0.1}))
     assert [result.name for result in seen] == ["road/00", "road/01"]
     assert [len(result.detections) for result in seen] == [3, 3] == [len(r.detections) for r in again]
     assert {d.lane.id for d in seen[0].detections} == {d.lane.id for d in seen[1].detections}  # tracked
     assert [len(result.detections) for result in nothing] == [0, 0]
+    assert [len(result.detections) for result in strict] != [3, 3]
 
 
-def test_what_is_remembered_changes_no_verdict(pairs):
-    memory = study_runner.Memory()
-    strict = replaced(DetectorConfig(), {"lane_selection.start_max": 5.0})
-    for config in (DetectorConfig(), strict, DetectorConfig()):
-        with memory.in_use():
-            remembered = pairs[0].detected(config).lanes
-        fresh = pairs[0].detected(config).lanes
-        assert len(remembered) == len(fresh)
-        for one, other in zip(remembered, fresh, strict=True):
-            np.testing.assert_array_equal(one.points, other.points)
-
-
-def test_what_is_remembered_does_not_hide_a_constant(pairs):
-    memory = study_runner.Memory()
-    counts = []
-    for ratio in (thresholds.shipped("lanes.selection.WIDE_BAND_RATIO_MAX"), -1e9):
-        config, patches = thresholds.changed({"lanes.selection.WIDE_BAND_RATIO_MAX": ratio})
-        with study_runner.patched(patches), memory.in_use():
-            counts.append(len(pairs[0].detected(config).lanes))
-    assert counts == [3, 0]
-
-
-def test_what_a_change_does_not_touch_is_not_computed_again(pairs):
-    memory = study_runner.Memory()
-    calls = []
-    real = study_runner.lane_detector.dense_disparity
-
-    def dense_disparity(*arguments):
-        calls.append(arguments)
-        return real(*arguments)
-
-    dense_disparity.__module__ = real.__module__
-    with patch("lane_dp_ros.core.detector.dense_disparity", dense_disparity):
-        for value in (1.0, 2.0):
-            with memory.in_use():
-                pairs[0].detected(replaced(DetectorConfig(), {"lane_selection.score_min": value}))
-        assert len(calls) == 1
-        with memory.in_use():
-            pairs[0].detected(replaced(DetectorConfig(), {"disparity.P1": 500}))
-        assert len(calls) == 2
-
-
-def test_a_constant_has_only_what_uses_it_computed_again(pairs):
-    memory, calls = study_runner.Memory(), Counter()
-    search, detector = study_runner.lane_search, study_runner.lane_detector
-
-    def counted(module, name):
-        real = getattr(module, name)
-
-        def function(*arguments):
-            calls[name] += 1
-            return real(*arguments)
-
-        function.__module__ = real.__module__
-        return patch.object(module, name, function)
-
-    def detect(name, value):
-        patches = {f"lane_dp_ros.core.{name}": value}
-        with study_runner.patched(patches), memory.in_use(patches):
-            pairs[0].detected(DetectorConfig())
-        return tuple(calls.values())
-
-    with (
-        counted(detector, "dense_disparity"),
-        counted(search, "find_paths"),
-        counted(search, "line_evidence"),
-    ):
-        disparities, paths, evidence = detect("lanes.plane_sweep.DISTINCT", 0.3)
-        assert (disparities, paths) == (1, 1) and evidence >= 3
-        assert detect("lanes.plane_sweep.DISTINCT", 0.4) == (1, 1, 2 * evidence)
-        assert detect("lanes.plane_sweep.DISTINCT", 0.3) == (1, 1, 2 * evidence)
-        assert detect("lanes.path_search.SLOPE_COST", 5.0)[:2] == (1, 2)
-
-
-def test_evidence_is_remembered_by_the_pictures_that_it_comes_from(pairs):
-    memory = study_runner.Memory()
-    lines = []
-    real = study_runner.lane_search.line_evidence
-
-    def line_evidence(line, *others):
-        lines.append(line)
-        return real(line, *others)
-
-    line_evidence.__module__ = real.__module__
-    with patch("lane_dp_ros.core.lanes.search.line_evidence", line_evidence):
-        counts = []
-        for values in ({}, {"lane_selection.score_min": 2.0}, {"disparity.P1": 500}):
-            with memory.in_use():
-                pairs[0].detected(replaced(DetectorConfig(), values))
-            counts.append(len(lines))
-    first = lines[: counts[1]]
-    assert counts[1] == len({id(line) for line in first}) >= 3  # each once, those of the second look, too
-    assert 0 < counts[0] == counts[1] < counts[2]
+def test_pairs_that_are_judged_alone_have_no_ids(pairs):
+    with study_runner.Judges(pairs, jobs=1, alone=True) as judges:
+        results = judges.results(DetectorConfig())
+    assert {d.lane.id for result in results for d in result.detections} == {-1}
 
 
 def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
@@ -190,26 +109,23 @@ def test_thresholds_that_are_searched_exist_and_begin_in_the_middle():
         assert start[name] == grid[len(grid) // 2]
         assert grid[0] <= thresholds.shipped(name) <= grid[-1]
         for value in grid:
-            with study_runner.patched(thresholds.changed({name: value})[1]):
-                assert not thresholds.is_constant(name) or thresholds.shipped(name) == value
+            assert parameters(replaced(DetectorConfig(), {**start, name: value}))[name].default == value
+
+
+def test_the_defaults_are_thresholds_as_well():
+    shipped = leave_one_drive_out.named(tuple(map(thresholds.shipped, thresholds.THRESHOLDS)))
+    assert replaced(DetectorConfig(), shipped) == DetectorConfig()
 
 
 def test_every_number_that_selects_lanes_is_searched():
-    of, module = "lane_selection.", "lanes.selection."
-    constants = {module + name for name in vars(lane_selection) if name.isupper()}
+    of = "lane_selection."
     numbers = {
         name
         for name, spec in parameters(DetectorConfig()).items()
-        if name.startswith(of) and isinstance(spec.default, float)
+        if name.startswith(of) and spec.type in (int, float)
     }
-    assert {name for name in thresholds.THRESHOLDS if name.startswith((of, module))} == constants | numbers
-
-
-def test_a_threshold_that_is_gone_is_said_at_the_start(monkeypatch):
-    for name, error in (("lanes.selection.GONE", AttributeError), ("lane_selection.gone", ValueError)):
-        monkeypatch.setattr(leave_one_drive_out, "THRESHOLDS", {name: (1.0,)})
-        with pytest.raises(error, match=r"gone|GONE"):
-            leave_one_drive_out.check()
+    assert {name for name in thresholds.THRESHOLDS if name.startswith(of)} == numbers
+    assert len(numbers) >= 28
 
 
 def test_the_objective_falls_with_every_kind_of_error():
@@ -263,46 +179,87 @@ def test_a_mirror_and_an_exposure_change_no_verdict(pairs):
 
 def test_a_mirrored_mirror_is_the_pair(pairs):
     twice = varied_pairs.mirrored(varied_pairs.mirrored(pairs[0]))
-    np.testing.assert_array_equal(twice.left, pairs[0].left)
+    np.testing.assert_array_equal(twice.frame.left, pairs[0].frame.left)
     assert twice.camera.cx == pairs[0].camera.cx
-    np.testing.assert_allclose(twice.frame.ground, pairs[0].frame.ground)
-    assert (twice.frame.ego_left, twice.frame.ego_right) == (
-        pairs[0].frame.ego_left,
-        pairs[0].frame.ego_right,
+    np.testing.assert_allclose(twice.truth.ground, pairs[0].truth.ground)
+    assert (twice.truth.ego_left, twice.truth.ego_right) == (
+        pairs[0].truth.ego_left,
+        pairs[0].truth.ego_right,
     )
-    for label, same in zip(twice.frame.labels, pairs[0].frame.labels, strict=True):
+    for label, same in zip(twice.truth.labels, pairs[0].truth.labels, strict=True):
         np.testing.assert_allclose(label.uv, same.uv)
         np.testing.assert_allclose(label.xz, same.xz)
 
 
 def test_another_exposure_leaves_black_and_white(pairs):
     dark = varied_pairs.exposed(pairs[0], 2.0)
-    np.testing.assert_array_equal(dark.left, np.rint(255 * (pairs[0].left / 255) ** 2))
+    np.testing.assert_array_equal(dark.frame.left, np.rint(255 * (pairs[0].frame.left / 255) ** 2))
 
 
 @pytest.mark.parametrize(
-    ("name", "drive"),
+    ("number", "drive", "expected"),
     [
-        ("kitti_stereo_2015/000072_10", "stereo 2015, 72-81 (multi-lane)"),
-        ("kitti_stereo_2015/000081_10", "stereo 2015, 72-81 (multi-lane)"),
-        ("kitti_stereo_2015/000089_10", "stereo 2015, 89"),
+        ("000072", "", "stereo 2015, 72-81 (multi-lane)"),
+        ("000081", "", "stereo 2015, 72-81 (multi-lane)"),
+        ("000089", "", "stereo 2015, 89"),
+        ("000025", "kit15_busroad_a", "stereo 2015, 22-31 (dual carriageway)"),
+        ("000131", "kit15_parkedcars", "stereo 2015, kit15_parkedcars"),
     ],
 )
-def test_neighbours_are_of_one_drive(pairs, name, drive):
-    pair = replace(pairs[0], name=name, sequence="kitti_stereo_2015")
-    assert leave_one_drive_out.drive_of(pair) == drive
+def test_neighbours_are_of_one_drive(pairs, number, drive, expected):
+    name, truth = f"kitti_stereo_2015/{number}_10", replace(pairs[0].truth, drive=drive)
+    pair = replace(pairs[0], name=name, sequence="kitti_stereo_2015", truth=truth)
+    assert leave_one_drive_out.drive_of(pair) == expected
 
 
 def test_a_frame_of_no_known_drive_is_refused(pairs):
     pair = replace(pairs[0], name="kitti_stereo_2015/000199_10", sequence="kitti_stereo_2015")
-    with pytest.raises(Exception, match="000199_10 is of none of the known drives"):
+    with pytest.raises(Exception, match="000199_10 is of no known drive"):
         leave_one_drive_out.drive_of(pair)
 
 
-def test_every_published_line_comes_with_its_evidence(pairs):
-    lines = list(calibrate_confidence.published_lines(pairs, DetectorConfig()))
-    assert len(lines) == 6 and all(line.right for line in lines)
-    assert all(line.evidence["score"] > 1 and line.evidence["paint_width"] > 0.1 for line in lines)
+def test_every_labelled_frame_is_of_a_drive(kitti_data):
+    pairs = study_runner.labelled_pairs(kitti_data, kitti_data / "labels" / "lanes.json")
+    drives = Counter(map(leave_one_drive_out.drive_of, pairs))
+    assert drives.total() == len(pairs) and len(drives) > 15
+    assert drives["stereo 2015, kit15_turn"] == 2 and drives["stereo 2015, 119-126 (gutters)"] == 6
+
+
+def test_every_candidate_comes_with_its_evidence_and_its_verdict(pairs):
+    config = replaced(DetectorConfig(), {"lane_selection.score_min": 20.0})  # more than the dashed line has
+    found = [each for pair in pairs for each in calibrate_confidence.judged_candidates(pair, config)]
+    published = [each for each in found if not each.refusal]
+    assert len(published) == 4 and all(each.right for each in published)
+    assert all(
+        each.evidence["score"] > 20 and 0.1 < each.evidence["paint_width"] < 0.25 for each in published
+    )
+    dashed = [each for each in found if each.refusal.endswith("expected 20")]
+    assert len(dashed) >= 2 and all(each.right and each.evidence["dashes"] == 3 for each in dashed)
+
+
+def test_candidates_are_judged_with_their_own_lanes(pairs):
+    """The published ones come from left to right, as the lanes do: each confidence is by its own score."""
+    for each in calibrate_confidence.judged_candidates(pairs[0], DetectorConfig()):
+        assert each.confidence == pytest.approx(1 - 0.15 * np.exp(-each.evidence["score"] / 10))
+
+
+def test_refusals_are_counted_by_the_reason_without_its_numbers(capsys):
+    def refused(reason, right):
+        return calibrate_confidence.JudgedCandidate("a", {}, 0.9, right, reason)
+
+    reasons = [
+        ("contrast 0.03", True),
+        ("contrast -0.10", False),
+        ("0.12 m above the road", False),
+        ("", True),
+    ]
+    calibrate_confidence.print_refusals([refused(*each) for each in reasons])
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("3 candidates refused.")
+    assert [line.split() for line in lines[2:]] == [
+        ["1", "of", "2", "contrast", "#"],
+        ["0", "of", "1", "#", "m", "above", "the", "road"],
+    ]
 
 
 def test_the_regression_finds_the_share_of_right_lines():
@@ -323,19 +280,43 @@ def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsy
     assert error.count("\n") == 1 and "none" in error
 
 
-def test_each_threshold_is_tried_at_both_limits_that_go_with_the_others():
-    tried = dict(explain_misses.extremes())
-    assert len(tried) > 20
-    assert tried["path_search.min_score 1"][0].path_search.min_score == 1.0
-    assert tried["lanes.selection.KERB_STEP 0.06"][1] == {"lane_dp_ros.core.lanes.selection.KERB_STEP": 0.06}
+def test_a_label_that_is_not_found_is_named_with_what_refused_it(pairs):
+    blind = replaced(DetectorConfig(), {"lane_selection.score_min": 20.0})
+    (pair, _), labels = pairs, [label.id for label in pairs[0].truth.labels]
+    assert explain_misses.not_found(pair.judged(pair.detected(DetectorConfig()).lanes)) == []
+    found = explain_misses.not_found(pair.judged(pair.detected(blind).lanes))
+    assert len(found) == 1 and set(found) < set(labels)  # the dashed one has too little paint
+    head, *why = explain_misses.misses([pair], blind)
+    assert head == f"road/00 {found[0]}:"
+    assert len(why) >= 2 and why[0].startswith(("  path, 0.0", "  parallel, 0.0"))
+    assert all(text.endswith("m of paint, expected 20") for text in why)
 
 
-def test_a_label_that_is_not_found_is_named(pairs):
-    blind = replaced(DetectorConfig(), {"path_search.min_score": 20.0, "lane_selection.score_min": 20.0})
-    labels = [label.id for label in pairs[0].frame.labels]
-    assert explain_misses.not_found(pairs[0].judged(pairs[0].detected(DetectorConfig()).lanes)) == []
-    found = explain_misses.not_found(pairs[0].judged(pairs[0].detected(blind).lanes))
-    assert found and set(found) < set(labels)  # the dashed one has too little paint
+def test_a_label_without_a_candidate_is_named_with_what_the_detector_says(pairs):
+    nothing = replaced(DetectorConfig(), {"paint_map.contrast_max": 20.0, "paint_map.contrast_min": 10.0})
+    lines = list(explain_misses.misses(pairs, nothing))
+    assert len(lines) == 2 * len(pairs) * len(pairs[0].truth.labels)
+    assert set(lines[1::2]) == {"  no lanes among 0 paths"}
+    alone = replace(pairs[0], frame=StereoFrame(pairs[0].frame.left))
+    assert list(explain_misses.misses([alone], DetectorConfig()))[1] == "  no right image"
+
+
+def test_how_far_beside_a_label_a_lane_lies():
+    """The road is level, 1.5 m below the camera; the label runs straight from 6 to 20 m."""
+    camera = StereoCamera(700.0, 700.0, 600.0, 180.0, 0.5)
+    label = Label("L", "solid", True, np.empty((0, 2)), np.array([[-1.5, 6.0], [-1.5, 20.0]]))
+    truth = LabelledFrame("a/1", camera, (1200, 400), np.array([0.0, 100 * 0.5 / 1.5, 0.0, 0.0]), (label,))
+    pair = study_runner.JudgedPair("a/1", "a", StereoFrame(np.zeros((400, 1200), np.uint8)), camera, truth)
+
+    def lane(*points):
+        return Lane(np.array([[x, 1.5, z] for x, z in points]), 1.0, 0.15, "other", 0.0, 0.0)
+
+    assert explain_misses.beside(pair, label, lane((-1.4, 4.0), (-1.4, 30.0))) == pytest.approx((0.1, 1.0))
+    askew = explain_misses.beside(pair, label, lane((-1.7, 6.0), (-1.3, 20.0)))  # 0.2 m at both ends
+    assert askew == pytest.approx((0.1, 1.0), abs=0.005)
+    half = explain_misses.beside(pair, label, lane((-1.6, 13.3), (-1.6, 30.0)))
+    assert half == pytest.approx((0.1, 14 / 29))  # of the samples, half a metre apart, those from 13.5 m on
+    assert explain_misses.beside(pair, label, lane((-1.5, 21.0), (-1.5, 30.0))) == (np.inf, 0.0)
 
 
 def test_jitter_is_what_a_line_deviates_from_its_own_motion():

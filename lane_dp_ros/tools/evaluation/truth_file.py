@@ -20,6 +20,7 @@ __all__ = ["KINDS", "Kind", "Label", "LabelledFrame", "by_depth", "load_truth", 
 
 Floats = NDArray[np.float64]
 CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
+TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
 
 
@@ -61,10 +62,9 @@ def save_truth(frames: Iterable[LabelledFrame], path: Path) -> None:
 def _frame_text(frame: LabelledFrame) -> str:
     camera = frame.camera
     stamp = {} if frame.stamp_ns is None else {"stamp_ns": int(frame.stamp_ns)}
-    names = ("sequence", "category", "left", "right", "note")
     fields = {
         **stamp,
-        **{name: getattr(frame, name) for name in names if getattr(frame, name)},
+        **{name: getattr(frame, name) for name in TEXT_FIELDS if getattr(frame, name)},
         **{name: float(getattr(camera, name)) for name in CAMERA_FIELDS},
         "width": int(frame.size[0]),
         "height": int(frame.size[1]),
@@ -105,7 +105,7 @@ def _frame(name: str, fields: Any) -> LabelledFrame:
             labels=tuple(map(_label, fields["lanes"])),
             stamp_ns=None if fields.get("stamp_ns") is None else int(fields["stamp_ns"]),
             **{side: fields[side] for side in ("ego_left", "ego_right")},
-            **{key: str(fields.get(key, "")) for key in ("left", "right", "sequence", "category", "note")},
+            **{name: str(fields.get(name, "")) for name in TEXT_FIELDS},
         )
         _check_ids(frame)
     except KeyError as error:

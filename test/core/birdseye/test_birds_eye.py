@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view, right_view
@@ -183,12 +183,12 @@ def test_the_mean_does_not_shift_a_line_across_the_road(camera, disparity_of, pl
     assert centroid.mean() == pytest.approx(place, abs=0.01)
 
 
-def test_awkward_input_gives_a_view(awkward_image, awkward_disparity, awkward_camera):
-    road = RoadSurface.plane(awkward_camera, HEIGHT, 0.02)
-    disparity = DisparityMap(
-        awkward_image.shape, 0, np.full(awkward_image.shape, awkward_disparity, np.float32)
-    )
-    view = birds_eye_view(awkward_image, disparity, road, RoadAxis(0.1, -0.05), SMALL)
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_input_gives_a_view(awkward, data):
+    image, disparity, camera = data.draw(awkward)
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    view = birds_eye_view(image, disparity, road, RoadAxis(0.1, -0.05), SMALL)
     assert view.image.shape == view.height.shape == view.on_road.shape == (10, 20)
     assert not np.any(view.on_road & ~view.seen)
 

@@ -9,12 +9,7 @@ import pytest
 
 from lane_dp_ros.core.birdseye.paint_map import PaintMap
 from lane_dp_ros.core.config import preset
-from lane_dp_ros.core.lanes.path_search import (
-    FreeEndSearch,
-    FullHeightSearch,
-    PathSearchConfig,
-    path_search,
-)
+from lane_dp_ros.core.lanes.path_search import FreeEndSearch, FullHeightSearch, PathSearchConfig, path_search
 
 METRES = (0.5, 0.1)  # per row and column
 PAPER = replace(preset("paper").path_search, suppression=0.5)  # 5 columns

@@ -166,8 +166,8 @@ def test_a_calibration_that_is_mended_is_no_longer_complained_of():
 
 
 @pytest.fixture(scope="module")
-def pair():
-    return render_pair(Road(swing=0), 20.0, 4)
+def pair(rendered):
+    return rendered(render_pair, Road(swing=0), 20.0, 4)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,8 @@
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
@@ -84,11 +86,11 @@ def test_a_rotated_camera_shows(offset_of, degrees):
     assert 0.7 < -offset_of(degrees=degrees).turn * np.sign(degrees) < 2.5
 
 
-def test_nothing_to_see_tells_nothing(awkward_image, awkward_disparity, awkward_camera):
-    disparity = DisparityMap(
-        awkward_image.shape, 0, np.full(awkward_image.shape, awkward_disparity, np.float32)
-    )
-    found = vertical_disparity(awkward_image, awkward_image, disparity, awkward_camera)
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_nothing_to_see_tells_nothing(awkward, data):
+    image, disparity, camera = data.draw(awkward)
+    found = vertical_disparity(image, image, disparity, camera)
     assert found is None or np.all(np.isfinite(found))
-    even = np.zeros_like(awkward_image)
-    assert vertical_disparity(even, even, disparity, awkward_camera) is None
+    even = np.zeros_like(image)
+    assert vertical_disparity(even, even, disparity, camera) is None

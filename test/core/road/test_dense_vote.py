@@ -4,6 +4,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
@@ -77,8 +79,11 @@ def test_edges_in_a_few_rows_only_give_a_point_there(camera, road, disparity_of)
     assert hill.horizon(290.0) < point.v < hill.horizon(304.0)  # not that of 10 m ahead, where nothing voted
 
 
-def test_awkward_images_and_cameras_give_a_point(awkward_image, awkward_camera):
-    road = RoadSurface.plane(awkward_camera, 1.6, 0.02)
-    edges = edge_pixels(awkward_image, DisparityMap.unknown(awkward_image.shape), road)
-    point = quartic_vanishing_point(edges, road, awkward_image.shape)
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_images_and_cameras_give_a_point(awkward, data):
+    image, _, camera = data.draw(awkward)
+    road = RoadSurface.plane(camera, 1.6, 0.02)
+    edges = edge_pixels(image, DisparityMap.unknown(image.shape), road)
+    point = quartic_vanishing_point(edges, road, image.shape)
     assert point is None or np.isfinite([point.u, point.v]).all()

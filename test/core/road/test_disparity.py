@@ -103,9 +103,11 @@ def test_it_is_held_at_the_resolution_at_which_it_was_matched(downscale):
     assert found.matched.shape == ((80 - FIRST_ROW) // downscale, 320 // downscale)
 
 
-def test_awkward_images_and_cameras_give_a_picture(awkward_image, awkward_camera):
-    found = full_disparity(awkward_image, awkward_image, awkward_camera)
-    assert found.shape == awkward_image.shape
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_images_and_cameras_give_a_picture(awkward, data):
+    image, _, camera = data.draw(awkward)
+    assert full_disparity(image, image, camera).shape == image.shape
 
 
 @pytest.mark.parametrize("name", parameters(CONFIG))

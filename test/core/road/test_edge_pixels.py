@@ -4,9 +4,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.edge_pixels import edge_pixels
@@ -98,15 +99,19 @@ def test_no_edges_in_a_blank_picture(flat, disparity_of, grey):
     assert len(edge_pixels(picture, disparity_of(flat), flat).u) == 0
 
 
-@pytest.mark.parametrize("pitch", [-0.2, 0.02])
-def test_awkward_images_and_cameras_give_edges_on_the_ground(awkward_image, awkward_camera, pitch):
-    road = RoadSurface.plane(awkward_camera, 1.6, pitch)
-    edges = edge_pixels(awkward_image, DisparityMap.unknown(awkward_image.shape), road)
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data(), pitch=st.sampled_from([-0.2, 0.02]))
+def test_awkward_input_gives_edges_on_the_ground(awkward, data, pitch):
+    image, disparity, camera = data.draw(awkward)
+    edges = edge_pixels(image, disparity, RoadSurface.plane(camera, 1.6, pitch))
     assert all(np.isfinite(field).all() for field in vars(edges).values())
 
 
-def test_awkward_disparities_give_edges_on_the_ground(awkward_image, awkward_disparity):
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_images_before_an_upright_camera_give_edges_on_the_ground(awkward, data):
+    """In whose pictures there is a road; with the cameras drawn there mostly is none."""
+    image, disparity, _ = data.draw(awkward)
     road = RoadSurface.plane(StereoCamera(700.0, 690.0, 200.0, 20.0, 0.5), 1.6, 0.02)
-    everywhere = np.full(awkward_image.shape, awkward_disparity, np.float32)
-    edges = edge_pixels(awkward_image, DisparityMap(awkward_image.shape, 0, everywhere), road)
+    edges = edge_pixels(image, disparity, road)
     assert all(np.isfinite(field).all() for field in vars(edges).values())

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
@@ -222,6 +224,8 @@ def test_a_few_mad_disparities_do_no_harm(camera, cluttered):
     assert fit(cluttered, camera).camera_height == pytest.approx(HEIGHT, abs=0.03)
 
 
-def test_awkward_disparities_hold_no_road(awkward_image, awkward_disparity, awkward_camera):
-    disparity = np.full(awkward_image.shape, awkward_disparity, np.float32)
-    assert fit(disparity, awkward_camera) is None
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_disparities_hold_no_road(awkward, data):
+    _, disparity, camera = data.draw(awkward)
+    assert fit(disparity, camera) is None

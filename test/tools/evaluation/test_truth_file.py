@@ -50,13 +50,18 @@ def test_a_frame_of_a_bag(tmp_path):
 def test_saved_truth_comes_back_and_is_the_same_to_the_byte(tmp_path):
     path = written(
         tmp_path,
-        {"a/1": {**FIELDS, "stamp_ns": 5, "note": "né"}, "a/2": {**FIELDS, "lanes": [], "ego_left": None}},
+        {
+            "a/1": {**FIELDS, "stamp_ns": 5, "note": "né", "drive": "avenue"},
+            "a/2": {**FIELDS, "lanes": [], "ego_left": None},
+        },
     )
     save_truth(load_truth(path), tmp_path / "once.json")
     save_truth(load_truth(tmp_path / "once.json"), tmp_path / "twice.json")
     assert (tmp_path / "once.json").read_bytes() == (tmp_path / "twice.json").read_bytes()
     first, again = load_truth(path)[0], load_truth(tmp_path / "once.json")[0]
-    for name in ("name", "camera", "size", "ego_left", "ego_right", "stamp_ns", "left", "sequence", "note"):
+    assert (first.drive, load_truth(path)[1].drive) == ("avenue", "")
+    same = "name", "camera", "size", "ego_left", "ego_right", "stamp_ns", "left", "sequence", "drive", "note"
+    for name in same:
         assert getattr(again, name) == getattr(first, name)
     assert again.labels[0].xz.tolist() == first.labels[0].xz.tolist()
     assert len(list(tmp_path.iterdir())) == 3

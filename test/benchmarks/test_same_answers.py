@@ -8,20 +8,17 @@ import sys
 from pathlib import Path
 
 import cv2
-import numpy as np
-import pytest
-from lane_dp_ros.tools.answers import FrameAnswer
-from lane_dp_ros.tools.bag import BagReader
-from lane_dp_ros.tools.errors import CommandError
-
-from lane_dp_ros.core.types import Lane
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
-
 import input_bags
 import lane_changes
+import numpy as np
+import pytest
 import same_answers
 import versions
+
+from lane_dp_ros.core.types import Lane
+from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.evaluation.answers import FrameAnswer
 
 FRAME = {"fx": 700.0, "fy": 700.0, "cx": 40.0, "cy": 20.0, "baseline": 0.5, "width": 80, "height": 60}
 GROUND = {"ground": [0.0, 30.0, 0.0, 0.0], "ego_left": None, "ego_right": None, "lanes": []}
@@ -50,7 +47,7 @@ def test_a_line_that_appears_and_one_that_vanishes():
     assert kinds([left], [left, right]) == ["appears"]
     assert kinds([left, right], [right]) == ["vanishes"]
     change = lane_changes.changes("a/1", [left], [])[0]
-    assert str(change) == "a/1: vanishes: other, x -1.80 m at 6.0 m, as far as 20.0 m, confidence 0.90"
+    assert str(change) == "a/1: vanishes: other, x -1.80 m, 6.0 to 20.0 m, confidence 0.90"
 
 
 @pytest.mark.parametrize(
@@ -75,7 +72,7 @@ def test_the_largest_distance_counts_not_the_mean():
 def test_only_shared_depths_are_compared():
     """x = z / 10; the lines share 10 to 20 m, and leave each other where only one of them is."""
     old, new = line((0.6, 6.0), (2.0, 20.0)), line((1.0, 10.0), (2.0, 20.0), (9.0, 30.0))
-    assert kinds([old], [new]) == []
+    assert kinds([old], [new]) == ["extent"]
     np.testing.assert_allclose(lane_changes.lateral_distances(old, new), [0, 0], atol=1e-12)
     apart = line((2.1, 21.0), (3.0, 30.0))
     assert kinds([old], [apart]) == ["vanishes", "appears"]
@@ -87,6 +84,29 @@ def test_only_shared_depths_are_compared():
 )
 def test_six_hundredths_of_confidence_are_a_difference(confidence, expected):
     assert kinds([straight(1.7, 0.9)], [straight(1.7, confidence)]) == expected
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "expected"),
+    [
+        (6.9, 20.9, []),
+        (5.1, 19.1, []),
+        (7.1, 20.0, ["extent"]),
+        (6.0, 21.1, ["extent"]),
+        (4.9, 18.9, ["extent"]),
+    ],
+)
+def test_more_than_a_metre_of_extent_is_a_difference(near, far, expected):
+    assert kinds([straight(1.7)], [line((1.7, near), (1.7, far))]) == expected
+    if expected:
+        (change,) = lane_changes.changes("a/1", [straight(1.7)], [line((1.7, near), (1.7, far))])
+        assert "from 6.0 to 20.0 m: other" in str(change)
+
+
+def test_another_role_is_a_difference():
+    old, new = (line((1.7, 6.0), (1.7, 20.0), role=role) for role in ("ego_right", "other"))
+    (change,) = lane_changes.changes("a/1", [old], [new])
+    assert (change.kind, change.text[:23]) == ("role", "from ego_right: other, ")
 
 
 def test_a_line_may_differ_in_two_ways():
@@ -114,7 +134,7 @@ def test_totals_and_scores_tell_what_differs():
     new = {1: FrameAnswer((straight(1.73), straight(-1.8)))}
     comparison = same_answers.Comparison("paper", bag, old, new)
     (total,) = same_answers.totals([comparison])
-    counts = "appears 1, vanishes 0, moves 1, confidence 0, no answer 1"
+    counts = "appears 1, vanishes 0, moves 1, extent 0, role 0, confidence 0, no answer 1"
     assert total == f"paper    06          2 frames,    1 and    2 lines: {counts}"
     rows = same_answers.scores([comparison], "paper", frozenset()).splitlines()
     of_06 = [row.split()[-6:] for row in rows if "06, without paint" in row]
