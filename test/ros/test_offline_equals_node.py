@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`lane_dp run` and the node give the same lanes for the same bag, message by message."""
 
+import time
 from itertools import pairwise
 
 import cv2
@@ -51,6 +52,8 @@ def node_lanes(rig, pairs, stamps, P_left, P_right):
                 rig.image_publishers[side].publish(rig.image(image, pair.stamp_ns))
         if pair.stamp_ns in stamps:
             rig.wait(lambda stamp_ns=pair.stamp_ns: rig.answers(stamp_ns))
+        else:
+            time.sleep(0.2)  # no answer tells that the node has taken it; it keeps five at most
     return [stamped(message) for message in rig.arrays]
 
 
