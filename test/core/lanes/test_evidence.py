@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lane_dp_ros.core.lanes import cross_section
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.evidence import measure
@@ -55,7 +56,7 @@ def test_a_dark_line_is_darker_than_the_road(painted_road, evidence_of):
 def test_beside_its_paint_a_line_still_has_a_width(painted_road, evidence_of, brightness, aside):
     """As a marker's scale it must be positive; the cross sections do not reach farther."""
     found = evidence_of(painted_road().line(CENTRE, brightness=brightness).step(CENTRE + 1), CENTRE + aside)
-    reach = 2 * (lane_evidence.SECTION + 1) * lane_evidence.SAMPLE
+    reach = 2 * (cross_section.SECTION + 1) * cross_section.SAMPLE
     assert 0.05 <= found.paint_width <= reach
     assert reach < 2.2  # m; the next lane's line is farther off
 
