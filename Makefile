@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 #   make demo    render a road, play it into a running lane_detector, write pictures to demo/
-#   make test    run the tests: with the newest numpy and OpenCV, and with those of Jazzy
+#   make test    run the tests: all with the newest numpy and OpenCV, those of what Jazzy runs with Jazzy's
 #   make lint    ruff, mypy, and the directions of imports
 #   make bench   measure the speed, write tables and pictures to bench/
 #   make clean   remove all that the above made, the venvs too
@@ -15,11 +15,13 @@ PYTHON ?= python3
 python_version := $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
 made := made-$(python_version)
 
-# A world is a venv: what it pins, which extras of setup.py it takes, and how the venv is made.
+# A world is a venv: what it pins, which extras of setup.py it takes, how the venv is made, and which tests run in it
+# (all of them, with coverage, where none are named).
 pins.venv := "numpy>=2" "opencv-python-headless>=5"
 extras.venv := ros,test
 pins.venv-jazzy := numpy==1.26.4 opencv-python-headless==4.6.0.66
 extras.venv-jazzy := ros,test
+tests.venv-jazzy := test/core test/messages test/ros
 pins.venv-ros = "numpy==$$($(PYTHON) -c 'import numpy; print(numpy.__version__)')"
 extras.venv-ros := test
 options.venv-ros := --system-site-packages
@@ -36,6 +38,10 @@ else
     unexport LD_LIBRARY_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE PYTHONPATH
 endif
 main := $(firstword $(worlds))
+
+# Processes that share the tests: make test WORKERS=1 runs one after the other.
+WORKERS ?= auto
+coverage := --cov=lane_dp_ros.core --cov-report=term:skip-covered --cov-fail-under=95
 
 export PYTHONNOUSERSITE := 1
 # Have rclpy check the fields of messages, as a build of ROS with assertions does.
@@ -60,8 +66,7 @@ name-worlds: | check-python
 $(worlds:%=test-in-%): test-in-%: %/$(made)
 	@$*/bin/python -c 'import sys, numpy, cv2; print("== tests in $*: Python %d.%d, numpy %s, OpenCV %s" \
 	    % (*sys.version_info[:2], numpy.__version__, cv2.__version__))'
-	@COVERAGE_FILE=$*/coverage $*/bin/python -m pytest \
-	    --cov=lane_dp_ros.core --cov-report=term:skip-covered --cov-fail-under=95
+	@COVERAGE_FILE=$*/coverage $*/bin/python -m pytest -n $(WORKERS) --dist loadfile $(or $(tests$*),$(coverage))
 
 # -I: the verdict must not depend on what else is on this machine.
 lint: .venv-lint/$(made)

@@ -31,7 +31,16 @@ setup(
         "opencv": [OPENCV],
         # Jazzy's rclpy, Fast DDS and messages; PyPI's bare ros-* names are of another distribution.
         "ros": [OPENCV, "pyyaml", "ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
-        "test": ["hypothesis", "pytest", "pytest-cov", "pyyaml", "rosbags-image", "scipy", "selenium"],
+        "test": [
+            "hypothesis",
+            "pytest",
+            "pytest-cov",
+            "pytest-xdist",
+            "pyyaml",
+            "rosbags-image",
+            "scipy",
+            "selenium",
+        ],
         "bench": ["matplotlib", "scikit-image", "scipy"],
         "lint": ["import-linter==2.11", "mypy==2.4.1", "ruff==0.17.6"],
     },

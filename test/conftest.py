@@ -1,19 +1,48 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures for every test: tiny bags, a domain of its own for what talks to ROS, a browser, real frames."""
+"""Fixtures for every test: a domain of its own for what talks to ROS, rendered and tiny bags, a browser."""
 
+# ruff: noqa: E402
+import fcntl
+import hashlib
 import os
-
-# Before any ROS import, as in test/ros: runs side by side must not hear one another; field types are checked.
-os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
-
+import pickle
 import shutil
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+
+def claimed_domain() -> int:
+    """Return a ROS domain that no other run of tests on this machine has, until this process ends."""
+    for number in (1 + (os.getpid() + i) % 101 for i in range(101)):  # the ports of more are not ROS's alone
+        try:
+            lock = os.open(f"{tempfile.gettempdir()}/lane_dp_ros_test_domain_{number}", os.O_CREAT, 0o644)
+        except OSError:  # another user's
+            continue
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the system's: it ends with this process
+        except BlockingIOError:
+            os.close(lock)
+        else:
+            return number
+    raise RuntimeError("every ROS domain is in use")
+
+
+# Before any ROS import: neither runs side by side nor the workers of one, which inherit the run's, may hear
+# one another; what is started as a process inherits the worker's. Fields of messages are checked.
+if "ROS_DOMAIN_ID" not in os.environ or "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ["ROS_DOMAIN_ID"] = str(claimed_domain())
+os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
+
+# The same examples in every run: what a property finds, it finds where it is written.
+settings.register_profile("lane_dp_ros", derandomize=True, database=None, deadline=None)
+settings.load_profile("lane_dp_ros")
 
 from lane_dp_ros.messages.bag import BagWriter
 from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
@@ -38,9 +67,28 @@ P_RIGHT = P_LEFT - np.array([[0, 0, 0, CAMERA.fx * CAMERA.baseline], [0] * 4, [0
 
 
 @pytest.fixture(scope="session")
-def scene_pairs() -> list[ScenePair]:
+def rendered(tmp_path_factory) -> Callable[..., Any]:
+    """Return a function: what `render(*arguments)` gives, worked out once for all workers of this session."""
+    folder = tmp_path_factory.getbasetemp()
+    folder = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+    def rendered(render: Callable[..., Any], *arguments: Any) -> Any:
+        key = hashlib.sha256(pickle.dumps((render.__qualname__, arguments))).hexdigest()
+        kept = folder / f"{key}.rendered"
+        if not kept.exists():
+            part = folder / f"{key}.{os.getpid()}.part"
+            result = render(*arguments)
+            part.write_bytes(pickle.dumps(list(result) if isinstance(result, Iterator) else result))
+            part.replace(kept)
+        return pickle.loads(kept.read_bytes())
+
+    return rendered
+
+
+@pytest.fixture(scope="session")
+def scene_pairs(rendered) -> list[ScenePair]:
     """Three rendered pairs of a road with lanes, 0.1 s apart."""
-    return list(render_sequence(frames=3, rate=10.0, seed=1))
+    return rendered(render_sequence, 3, 10.0, 1)
 
 
 @pytest.fixture

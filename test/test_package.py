@@ -39,9 +39,9 @@ KEY_OF_REQUIREMENT = {
     "scipy": "python3-scipy",
     "tqdm": "python3-tqdm",
 }
-# Of the extra `test`, what colcon test does without: the coverage; an oracle and a browser's driver,
-# whose tests are skipped.
-ONLY_FROM_PYPI = {"pytest-cov", "rosbags-image", "selenium"}
+# Of the extra `test`, what colcon test does without: the coverage and the workers; an oracle and a browser's
+# driver, whose tests are skipped.
+ONLY_FROM_PYPI = {"pytest-cov", "pytest-xdist", "rosbags-image", "selenium"}
 
 
 @pytest.fixture(scope="module")

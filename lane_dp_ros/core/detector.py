@@ -127,8 +127,10 @@ class LaneDetector:
     def _seen_along(
         self, found: SearchResult, direction: RoadDirection, surface: RoadSurface
     ) -> RoadDirection:
-        axis = found.paint.view.axis
-        return direction if axis == direction.axis else direction_along(axis, surface)
+        view = found.paint.view
+        if view.axis == direction.axis:
+            return direction
+        return replace(direction_along(view.axis, surface), ipm_plane=view.ipm_plane)
 
     def _note(self, frame: StereoFrame, road: RoadEstimate) -> str:
         """Return why the road that was measured in a frame does not serve, empty where it does."""

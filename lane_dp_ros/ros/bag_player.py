@@ -32,6 +32,7 @@ POLL = 0.02  # s
 LONGEST_SLEEP = 3600.0  # s; time.sleep refuses what a very small rate may ask for
 
 OnSent = Callable[[RawMessage], None]
+GoesOn = Callable[[RawMessage], bool]
 
 
 class BagPlayer:
@@ -68,12 +69,17 @@ class BagPlayer:
                 matched, since = now_matched, time.monotonic()
         return matched > 0
 
-    def play(self, rate: float = 1.0, on_sent: OnSent | None = None) -> int:
-        """Publish the whole bag once, `rate` times as fast as recorded; return the number of messages."""
+    def play(self, rate: float = 1.0, on_sent: OnSent | None = None, goes_on: GoesOn | None = None) -> int:
+        """Publish the bag once, `rate` times as fast as recorded; return the number of messages.
+
+        `goes_on(raw)` is asked before each message when it is due: it may wait, and ends the play by False.
+        """
         start, first_ns, count = time.monotonic(), None, 0
         for raw in self._reader.raw_messages(self._topics):
             first_ns = raw.time_ns if first_ns is None else first_ns
             _sleep_until(start + (raw.time_ns - first_ns) / 1e9 / rate)
+            if goes_on is not None and not goes_on(raw):
+                break
             self._publishers[raw.topic].publish(raw.data)
             count += 1
             if on_sent is not None:

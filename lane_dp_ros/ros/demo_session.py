@@ -12,12 +12,14 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -26,6 +28,7 @@ from visualization_msgs.msg import MarkerArray
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter, RawMessage
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.stamp import NS_PER_S
 from lane_dp_ros.ros.bag_player import BagPlayer, ros_node
 
 Process = subprocess.Popen[bytes]
@@ -38,7 +41,10 @@ OUTPUTS = {
 START_TIMEOUT = 30.0  # s until the process has started and found us: a cold disk, a busy machine
 ANSWER_TIMEOUT = 3.0  # s without any answer: there are no more
 STOP_TIMEOUT = 5.0  # s until a process that does not end by itself is killed
-POLL = 0.02  # s
+POLL = 0.002  # s
+MEASURED_PAIRS, WARM_UP = 8, 3  # pairs that measure the machine, the first of them without saying anything
+AT_ONCE = 1e6  # times as fast as recorded
+HEADROOM = 1.25  # times the longest time between two answers, for what else the machine does
 PR_SET_PDEATHSIG = 1  # prctl: the signal that a process gets when its parent dies
 
 
@@ -46,6 +52,8 @@ PR_SET_PDEATHSIG = 1  # prctl: the signal that a process gets when its parent di
 class Session:
     """When pairs went out and answers came back, on the monotonic clock [ns]."""
 
+    rate: float = 1.0
+    """How many times as fast as recorded the bag was played."""
     sent_ns: dict[int, int] = field(default_factory=dict)
     """By recording time in the bag: when the last message of that time was published."""
     answers: list[tuple[int, bytes]] = field(default_factory=list)
@@ -53,38 +61,78 @@ class Session:
     recorded: Counter[str] = field(default_factory=Counter)
     """How many messages came, by topic."""
 
+    def sent(self, raw: RawMessage) -> None:
+        """Note that a message went out."""
+        self.sent_ns[raw.time_ns] = time.monotonic_ns()
 
-def run_session(reader: BagReader, writer: BagWriter, log: Path, rate: float = 1.0) -> Session:
+    def answered(self, pairs: int) -> bool:
+        """Return whether everything has come that answers so many pairs."""
+        return self.recorded.total() >= len(OUTPUTS) * pairs
+
+
+def run_session(reader: BagReader, writer: BagWriter, log: Path, rate: float | None = None) -> Session:
     """Play a bag into a new lane_detector process and record its `lanes`, `ipm/image` and `overlay/image`.
 
-    The bag is played `rate` times as fast as it was recorded. All take place in a namespace of their own:
-    nothing reaches other nodes of this machine or network.
+    The bag is played `rate` times as fast as it was recorded. Without a rate, a few of its pairs measure
+    first what this machine keeps up with, and then each pair waits, if need be, for the answer to the one
+    before the last: every pair is answered. All take place in a namespace of their own: nothing reaches other
+    nodes of this machine or network.
     What the process prints goes to `log`. Raises CommandError when the node does not come up or ends early.
     """
     namespace = f"/lane_dp_demo_{os.getpid()}"
-    session = Session()
     with detector_process(namespace, log) as process, ros_node("lane_dp_demo", namespace) as node:
-        for topic, (message_class, type_name) in OUTPUTS.items():
-            callback = _recorder(session, writer, topic, type_name)
-            node.create_subscription(message_class, topic, callback, QoSProfile(depth=100), raw=True)
+        listener = _Listener(node)
         with spinning(node):
             player = BagPlayer(node, reader)
             _wait_until_connected(node, player, process, log)
-            player.play(rate, lambda raw: session.sent_ns.update({raw.time_ns: time.monotonic_ns()}))
-            _wait_for_answers(session)
+            session = Session(rate or _keeps_up_with(player, listener))
+            goes_on = None if rate else partial(_waits_for_answers, session)
+            listener.session, listener.writer = session, writer
+            player.play(session.rate, session.sent, goes_on)
+            _wait_until_answered(session, len(session.sent_ns))
             check_alive(process, log)
     return session
 
 
-def _recorder(session: Session, writer: BagWriter, topic: str, type_name: str) -> Callable[[bytes], None]:
-    def record(data: bytes) -> None:
-        """Write a message down, and when lanes came."""
-        if topic == "lanes":
-            session.answers.append((time.monotonic_ns(), data))
-        writer.write_raw(RawMessage(f"/{topic}", type_name, time.time_ns(), data))
-        session.recorded[topic] += 1
+class _Listener:
+    """Notes in `session`, and writes with `writer` where there is one, what a node publishes."""
 
-    return record
+    def __init__(self, node: Node) -> None:
+        self.session, self.writer = Session(), None  # type: Session, BagWriter | None
+        for topic, (message_class, type_name) in OUTPUTS.items():
+            callback = partial(self._hear, topic, type_name)
+            node.create_subscription(message_class, topic, callback, QoSProfile(depth=100), raw=True)
+
+    def _hear(self, topic: str, type_name: str, data: bytes) -> None:
+        if topic == "lanes":
+            self.session.answers.append((time.monotonic_ns(), data))
+        if self.writer is not None:
+            self.writer.write_raw(RawMessage(f"/{topic}", type_name, time.time_ns(), data))
+        self.session.recorded[topic] += 1
+
+
+def _keeps_up_with(player: BagPlayer, listener: _Listener) -> float:
+    """Return how many times as fast as recorded, 1 at most, this machine answers pair after pair."""
+    session, due, done = listener.session, [], []  # type: Session, list[int], list[float]
+
+    def goes_on(raw: RawMessage) -> bool:
+        """Send a pair when the one before is answered on every topic."""
+        if raw.time_ns not in session.sent_ns:
+            _wait_until_answered(session, len(session.sent_ns))
+            due.append(raw.time_ns)
+            done.append(time.monotonic())
+        return len(due) <= MEASURED_PAIRS
+
+    player.play(AT_ONCE, session.sent, goes_on)
+    recorded, took = (float(np.max(np.diff(each)[WARM_UP:], initial=0.0)) for each in (due, done))
+    return min(1.0, recorded / NS_PER_S / (HEADROOM * took)) if recorded and took else 1.0
+
+
+def _waits_for_answers(session: Session, raw: RawMessage) -> bool:
+    """Let no more than two pairs be on their way: one more would take the place of one that waits."""
+    if raw.time_ns not in session.sent_ns:
+        _wait_until_answered(session, len(session.sent_ns) - 1)
+    return True
 
 
 def _wait_until_connected(node: Node, player: BagPlayer, process: Process, log: Path) -> None:
@@ -98,10 +146,10 @@ def _wait_until_connected(node: Node, player: BagPlayer, process: Process, log: 
         raise CommandError(f"lane_detector did not subscribe within {START_TIMEOUT:g} s, see {log}")
 
 
-def _wait_for_answers(session: Session) -> None:
-    """Wait until every pair is answered on every topic, or nothing has come for a while."""
-    count, since = 0, time.monotonic()
-    while count < len(OUTPUTS) * len(session.sent_ns) and time.monotonic() - since < ANSWER_TIMEOUT:
+def _wait_until_answered(session: Session, pairs: int) -> None:
+    """Wait until so many pairs are answered on every topic, or nothing has come for a while."""
+    count, since = session.recorded.total(), time.monotonic()
+    while not session.answered(pairs) and time.monotonic() - since < ANSWER_TIMEOUT:
         time.sleep(POLL)
         if session.recorded.total() > count:
             count, since = session.recorded.total(), time.monotonic()

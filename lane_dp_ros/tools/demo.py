@@ -34,7 +34,7 @@ Image8 = NDArray[np.uint8]
 class SessionModule(Protocol):
     """`lane_dp_ros.ros.demo_session`, which needs ROS and so is handed in."""
 
-    def run_session(self, reader: BagReader, writer: BagWriter, log: Path, rate: float) -> Any:
+    def run_session(self, reader: BagReader, writer: BagWriter, log: Path, rate: float | None) -> Any:
         """Play `reader` into a lane_detector process, `rate` times as fast as it was; record its answers."""
 
 
@@ -56,17 +56,23 @@ class Result:
         )
 
 
-def run_demo(folder: Path, session_module: SessionModule, rate: float) -> None:
+def run_demo(folder: Path, session_module: SessionModule, rate: float | None, command: str) -> None:
     """Render, play, record; write road.mcap, lanes.mcap, overlay.png, ipm.png to `folder`; print a summary.
 
-    It is played `rate` times as fast as it was driven: slower where the machine is.
+    It is played `rate` times as fast as it was driven, None: as fast as this machine keeps up with. `command`
+    is how lane_dp is called here, for the commands to try next.
 
     Raises CommandError when the node does not come up, answers nothing, or finds no lane.
     """
     road, answers, log = folder / "road.mcap", folder / "lanes.mcap", folder / "lane_detector.log"
     with BagWriter(road, force=True) as writer:
         _render(writer)
-    print(f"{road}: {FRAMES} rendered stereo pairs, now played into lane_detector at {RATE * rate:g} Hz")
+    how = (
+        f"at {RATE * rate:g} Hz"
+        if rate
+        else "as fast as this machine keeps up with, which a few pairs measure"
+    )
+    print(f"{road}: {FRAMES} rendered stereo pairs, now played into lane_detector {how}")
     with BagReader(road) as reader, BagWriter(answers, force=True) as writer:
         session = session_module.run_session(reader, writer, log, rate)
         if not session.answers:
@@ -74,10 +80,17 @@ def run_demo(folder: Path, session_module: SessionModule, rate: float) -> None:
     _write_strip(answers, "/overlay/image", folder / "overlay.png", np.vstack)
     _write_strip(answers, "/ipm/image", folder / "ipm.png", np.hstack)
     result = _result(session)
-    print(f"{answers}: {result}")
-    print(f"pictures: {folder / 'overlay.png'}, {folder / 'ipm.png'}")
+    print(f"{answers}: played at {RATE * session.rate:.3g} Hz, {result}")
+    print(f"pictures, to be looked at: {folder / 'overlay.png'}, {folder / 'ipm.png'}")
     if not any(result.lanes_per_frame):
         raise CommandError(f"lane_detector found no lane on the rendered road, see {folder / 'overlay.png'}")
+    print(
+        "next, to be typed as they stand:",
+        f"  {command} run {road} -o {folder / 'offline.mcap'}    # the same without ROS, every pair",
+        f"  {command} scenes kerbs night curve -o {folder / 'scenes'}    # other roads, their lanes known",
+        f"  {command} evaluate {folder / 'scenes'} --report {folder / 'report'}    # how good, on a page",
+        sep="\n",
+    )
 
 
 def _render(writer: BagWriter) -> None:

@@ -4,18 +4,24 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
-from lane_dp_ros.core.birdseye.paint_map import PaintMap, PaintMapConfig, band_graph
+from lane_dp_ros.core.birdseye.paint_map import BandsPaintMap, PaintMapConfig
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
-from lane_dp_ros.core.lanes.evidence import line_evidence
+from lane_dp_ros.core.lanes.evidence import measure
+from lane_dp_ros.core.lanes.plane_sweep import PlaneSweepConfig
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import Road, ScenePair, render_pair
 
@@ -27,16 +33,32 @@ SCENES = {
     "left": Road(curvature=-0.008, swing=0),
     "right": Road(curvature=0.006, swing=0),
 }
-NOISE = np.random.default_rng(0)
-AWKWARD_IMAGES = {
-    f"{name}-{rows}x{columns}": image
-    for rows, columns in [(1, 1), (2, 3), (7, 200), (400, 5), (30, 300), (150, 400)]
-    for name, image in {
-        "black": np.zeros((rows, columns), np.uint8),
-        "white": np.full((rows, columns), 255, np.uint8),
-        "noise": NOISE.integers(0, 256, (rows, columns), np.uint8),
-    }.items()
-}
+
+
+class Awkward(NamedTuple):
+    """Nothing to be seen, or hardly a picture; no stage may break on it."""
+
+    image: np.ndarray  # (H, W) uint8
+    disparity: DisparityMap  # (H, W) float32
+    camera: StereoCamera  # whose principal point may lie far outside the image
+
+
+def _awkward(shape: tuple[int, int], content: str, disparity: float, cy: float) -> Awkward:
+    image = {
+        "black": np.zeros(shape, np.uint8),
+        "white": np.full(shape, 255, np.uint8),
+        "noise": np.random.default_rng(0).integers(0, 256, shape, np.uint8),
+    }[content]
+    camera = StereoCamera(fx=700.0, fy=690.0, cx=200.0, cy=cy, baseline=0.5)
+    return Awkward(image, DisparityMap(shape, 0, np.full(shape, disparity, np.float32)), camera)
+
+
+AWKWARD = product(
+    [(1, 1), (2, 3), (7, 200), (400, 5), (30, 300), (150, 400)],
+    ["black", "white", "noise"],
+    [np.nan, 0.0, -5.0, 20.0, 1e5, np.inf],
+    [-1e6, 0.0, 60.0, 1e6],
+)
 
 
 @pytest.fixture(scope="session")
@@ -54,13 +76,16 @@ def camera() -> StereoCamera:
 
 
 @pytest.fixture(scope="session")
-def disparity_of() -> Callable[..., np.ndarray]:
-    """Return a function: the disparity picture of a road without anything on it, NaN above the horizon."""
+def disparity_of() -> Callable[..., DisparityMap]:
+    """Return a function: the disparity of a road without anything on it, NaN above the horizon.
 
-    def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE) -> np.ndarray:
+    It is matched at full resolution: `matched` is the picture, to be drawn on.
+    """
+
+    def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE) -> DisparityMap:
         v, u = np.mgrid[: shape[0], : shape[1]].astype(np.float32)
         disparity = surface.disparity(u, v)
-        return np.where(disparity > 0, disparity, np.nan).astype(np.float32)
+        return DisparityMap(shape, 0, np.where(disparity > 0, disparity, np.nan).astype(np.float32))
 
     return disparity_of
 
@@ -96,30 +121,18 @@ def right_of() -> Callable[..., np.ndarray]:
 
 
 @pytest.fixture(scope="session", params=SCENES, ids=str)
-def scene(request) -> tuple[Road, ScenePair]:
+def scene(request, rendered) -> tuple[Road, ScenePair]:
     """A rendered stereo pair, grey, and the road in it: all is known exactly."""
     road = SCENES[request.param]
-    pair = render_pair(road, 50.0, 3)
+    pair = rendered(render_pair, road, 50.0, 3)
     left, right = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (pair.left, pair.right))
     return road, replace(pair, left=left, right=right)
 
 
-@pytest.fixture(params=AWKWARD_IMAGES, ids=str)
-def awkward_image(request) -> np.ndarray:
-    """Nothing to be seen, or hardly a picture."""
-    return AWKWARD_IMAGES[request.param]
-
-
-@pytest.fixture(params=[np.nan, 0.0, -5.0, 20.0, 1e5, np.inf], ids=str)
-def awkward_disparity(request) -> float:
-    """What a whole disparity picture may hold, in pixels."""
-    return request.param
-
-
-@pytest.fixture(params=[-1e6, 0.0, 60.0, 1e6], ids=lambda cy: f"cy={cy:g}")
-def awkward_camera(request) -> StereoCamera:
-    """A camera whose principal point may lie far outside the image."""
-    return StereoCamera(fx=700.0, fy=690.0, cx=200.0, cy=request.param, baseline=0.5)
+@pytest.fixture(scope="session")
+def awkward() -> st.SearchStrategy[Awkward]:
+    """Return the strategy that draws `Awkward` input, all alike often."""
+    return st.sampled_from(list(AWKWARD)).map(lambda values: _awkward(*values))
 
 
 PAINTED_CAMERA = StereoCamera(fx=721.5, fy=721.5, cx=609.6, cy=172.9, baseline=0.54)  # much like KITTI's
@@ -174,10 +187,10 @@ class PaintedRoad:
             image, self.seen, on_road, self.height, u, v, self.s, self.n, self.axis, surface, surface
         )
 
-    def bands(self) -> tuple[BirdsEyeView, PaintMap]:
-        """Return the view and its graph of bright bands."""
+    def bands(self) -> PaintProfile:
+        """Return the view with its map of bright bands."""
         view = self.view()
-        return view, band_graph(view, PaintMapConfig())
+        return PaintProfile(view, BandsPaintMap(PaintMapConfig()).build(view))
 
 
 @pytest.fixture(scope="session")
@@ -191,11 +204,12 @@ def evidence_of() -> Callable[..., LaneEvidence]:
     """Return a function: the evidence for a line on a road at n [m], from s = first to last."""
 
     def evidence_of(road, course=1.025, first=0.0, last=100.0):
-        view, graph = road.bands()
-        rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
-        s = view.s[rows]
+        paint = road.bands()
+        rows = np.flatnonzero((paint.view.s >= first) & (paint.view.s <= last))[::-1]
+        s = paint.view.s[rows]
         n = course(s) if callable(course) else np.full(len(s), course)
-        mono = StereoFrame(view.image, None, view.height, view.surface, view.ground)
-        return line_evidence(LaneLine(rows, s, n, bend=0.0, score=10.0), view, graph, mono)
+        line, mono = LaneLine(rows, s, n, bend=0.0, score=10.0), StereoFrame(paint.view.image)
+        (found,) = measure([line], paint, mono, PlaneSweepConfig(), lambda *_: True)
+        return found
 
     return evidence_of

@@ -11,6 +11,48 @@ from lane_dp_ros.core.road.disparity import DisparityConfig
 from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 
 ALL = parameters(DetectorConfig())
+# What an expert or a fit should touch only; ROS tools do not list them.
+EXPERT = {
+    "path_search": ("slope_max", "slope_cost", "bend_cost", "apart", "passes"),
+    "lane_selection": (
+        "wide_band_ratio_max",
+        "off_paint_fraction_max",
+        "saturation_contrast_min",
+        "slope_per_bend",
+        "kerb_contrast_max",
+        "kerb_saturation_contrast_max",
+        "kerb_step_min",
+        "unbroken_min",
+        "rail_width_max",
+        "kerb_width_min",
+        "kerb_height_min",
+        "kerb_brightness_max",
+        "same_line",
+        "double_line",
+        "strong_score",
+        "strong_segment",
+        "strong_dashes",
+        "score_unknown_height",
+    ),
+    "extension": ("gap_max", "turn_max"),
+    "parallel": ("contrast_min", "contrast_max", "blank_cost", "score_min", "ego_max"),
+    "stop_line": ("junction", "bright"),
+    "plane_sweep": ("distinct",),
+    "axis_refinement": ("askew_min", "score_min"),
+    "mono_fallback": (
+        "paint_width_min",
+        "paint_width_max",
+        "wide_band_ratio_min",
+        "brightness_min",
+        "texture_max",
+        "start_max",
+        "score_min",
+        "beside_min",
+        "beside_max",
+        "doubted_confidence",
+    ),
+    "tracking": ("hits_min", "astray_max", "new_beside", "touching", "doubt"),
+}
 PAPER = {  # section V and VI of the paper; resolution and band as in the authors' program
     "paint_map.feature": "edges_and_grey",
     "paint_map.edge_weight": 0.6,
@@ -40,6 +82,17 @@ def test_a_preset_is_within_its_own_bounds(name):
     assert {n: spec.checked(spec.default) for n, spec in specs.items()} == {
         n: spec.default for n, spec in specs.items()
     }
+
+
+def test_what_an_expert_should_touch_only_is_marked():
+    expert = {name for name, spec in ALL.items() if spec.expert}
+    assert expert == {f"{stage}.{field}" for stage, fields in EXPERT.items() for field in fields}
+    assert list(parameters(DetectorConfig(), expert=False)) == [name for name in ALL if name not in expert]
+
+
+def test_expert_parameters_can_be_replaced_as_others_can():
+    config = replaced(DetectorConfig(), {"mono_fallback.score_min": 8.0, "lane_selection.strong_dashes": 4})
+    assert (config.mono_fallback.score_min, config.lane_selection.strong_dashes) == (8.0, 4)
 
 
 def test_the_default_preset_is_the_default():
@@ -75,6 +128,10 @@ def test_an_unknown_preset_is_refused():
         (
             {"lane_selection.lane_width_min": 3.0, "lane_selection.lane_width_max": 2.5},
             "lane_selection.lane_width_max: got 2.5, expected more than lane_width_min = 3.0",
+        ),
+        (
+            {"parallel.contrast_min": 1.5},
+            "parallel.contrast_max: got 1.4, expected more than contrast_min = 1.5",
         ),
     ],
 )

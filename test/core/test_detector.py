@@ -6,11 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.birdseye.paint_map import build_paint_map
+from lane_dp_ros.core.birdseye.paint_map import BandsPaintMap
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.core.types import Prior, RoadEstimate, StereoFrame
 from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
 from lane_dp_ros.scenes.road import DASHED, SOLID, UNPAINTED, Line
 
@@ -46,7 +47,7 @@ def pair():
 
 @pytest.fixture(scope="session")
 def detection(pair):
-    return LaneDetector(CAMERA).detect(pair.left, pair.right)
+    return LaneDetector(CAMERA).detect(StereoFrame(pair.left, pair.right))
 
 
 def lateral_errors(road, lane, truth):
@@ -62,7 +63,7 @@ def lateral_errors(road, lane, truth):
 
 def test_every_line_is_found_where_it_is_painted(road_pair):
     road, pair = road_pair
-    found = LaneDetector(CAMERA).detect(pair.left, pair.right)
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.left, pair.right))
     assert len(found.lanes) == len(road.lines)
     assert found.note == ""
     for lane, truth, offset in zip(found.lanes, pair.lanes, road.offsets, strict=True):
@@ -81,7 +82,7 @@ def test_the_sparse_border_of_the_own_lane_is_found():
     """Dashes of 1.6 m every 10.6 m are too little by themselves; parallel to a solid line they add up."""
     road = Road(swing=0, lane_widths=(3.5,), lines=(SOLID, Line("dashed", dash=1.6, gap=9.0)), driven=0)
     pair = render_pair(road, position=13.0, seed=5)
-    found = LaneDetector(CAMERA).detect(pair.left, pair.right)
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.left, pair.right))
     assert [lane.role for lane in found.lanes] == ["ego_left", "ego_right"]
     for lane, truth in zip(found.lanes, pair.lanes, strict=True):
         assert lateral_errors(road, lane, truth).mean() < 0.02
@@ -89,7 +90,7 @@ def test_the_sparse_border_of_the_own_lane_is_found():
 
 def test_the_road_is_that_of_the_scene(road_pair):
     road, pair = road_pair
-    found = LaneDetector(CAMERA).detect(pair.left, pair.right)
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.left, pair.right))
     assert found.road.camera_height == pytest.approx(road.camera_height, abs=0.03)
     assert found.road.pitch == pytest.approx(road.pitch, abs=0.003)
     assert found.birds_eye.axis.curvature == pytest.approx(road.curvature, abs=0.001)
@@ -98,10 +99,13 @@ def test_the_road_is_that_of_the_scene(road_pair):
 def test_the_left_picture_alone_finds_the_lines_on_a_road_that_is_given(road_pair):
     road, pair = road_pair
     surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
-    found = LaneDetector(CAMERA).detect(pair.left, None, surface)
-    assert found.road is surface
-    assert np.isnan(found.disparity).all()
+    given = Prior(lambda _: RoadEstimate(surface, "nominal"))
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.left), given)
+    assert found.road_estimate.surface is found.birds_eye.road_surface is surface
+    assert found.road is None
+    assert found.note == "no right image"
     assert found.disparity.shape == (ROWS, COLUMNS)
+    assert np.isnan(found.disparity.full).all()
     assert len(found.lanes) == len(road.lines)
     for lane, truth in zip(found.lanes, pair.lanes, strict=True):
         assert lateral_errors(road, lane, truth).mean() < 0.02
@@ -109,43 +113,50 @@ def test_the_left_picture_alone_finds_the_lines_on_a_road_that_is_given(road_pai
 
 def test_the_detection_carries_what_led_to_the_lanes(detection):
     assert detection.disparity.shape == (ROWS, COLUMNS)
-    assert detection.graph.feature.shape == detection.birds_eye.image.shape == (120, 320)
+    assert detection.paint_map.feature.shape == detection.birds_eye.image.shape == (120, 320)
     assert len(detection.paths) >= len(detection.lanes)
+    assert detection.road_estimate == RoadEstimate(detection.road, "measured")
+    assert detection.direction.axis is detection.birds_eye.axis
+    assert detection.direction.ipm_plane is detection.birds_eye.ipm_plane
+    lanes = [candidate for candidate in detection.candidates if not candidate.refusal]
+    assert len(lanes) == len(detection.lanes)
+    assert detection.score == sum(candidate.score for candidate in lanes) > 20  # m
+    assert any(candidate.refusal for candidate in detection.candidates)  # nothing is thrown away
     assert list(detection.seconds) == STAGES
     assert all(seconds >= 0 for seconds in detection.seconds.values())
-    assert CAMERA.cy - 40 < detection.vanishing_point.v < CAMERA.cy
+    assert CAMERA.cy - 40 < detection.direction.vanishing_point[1] < CAMERA.cy
 
 
 def test_the_paper_preset_finds_the_own_lane_of_a_straight_road():
     road = ROADS["three lanes"]
     pair = render_pair(road, position=20.0, seed=3)
-    found = LaneDetector(CAMERA, preset("paper")).detect(pair.left, pair.right)
+    found = LaneDetector(CAMERA, preset("paper")).detect(StereoFrame(pair.left, pair.right))
     assert list(found.seconds) == STAGES
     assert len(found.lanes) == len(road.lines)
     for lane, truth in zip(found.lanes, pair.lanes, strict=True):
         assert lateral_errors(road, lane, truth).mean() < 0.1
-    assert len(found.vanishing_point.u_of_row) == 5  # a quartic
+    assert len(found.direction.u_of_row) == 5  # a quartic
 
 
 @pytest.mark.parametrize("name", ["default", "paper"])
 def test_the_same_pair_gives_the_same_lanes_bit_for_bit(pair, name):
     detector = LaneDetector(CAMERA, preset(name))
-    first = detector.detect(pair.left, pair.right)
-    detector.detect(pair.right, pair.left)  # what comes between leaves no trace
+    first = detector.detect(StereoFrame(pair.left, pair.right))
+    detector.detect(StereoFrame(pair.right, pair.left))  # what comes between leaves no trace
     for again in (
-        detector.detect(pair.left, pair.right),
-        LaneDetector(CAMERA, preset(name)).detect(pair.left, pair.right),
+        detector.detect(StereoFrame(pair.left, pair.right)),
+        LaneDetector(CAMERA, preset(name)).detect(StereoFrame(pair.left, pair.right)),
     ):
         assert len(again.lanes) == len(first.lanes) > 0
         for a, b in zip(first.lanes, again.lanes, strict=True):
             np.testing.assert_array_equal(a.points, b.points)
             assert (a.confidence, a.paint_width, a.role) == (b.confidence, b.paint_width, b.role)
-        np.testing.assert_array_equal(first.disparity, again.disparity)
+        np.testing.assert_array_equal(first.disparity.full, again.disparity.full)
 
 
 def test_grey_pictures_give_the_lanes_of_coloured_ones(pair, detection):
     grey = [np.rint(image @ [0.114, 0.587, 0.299]).astype(np.uint8) for image in (pair.left, pair.right)]
-    found = LaneDetector(CAMERA).detect(*grey)
+    found = LaneDetector(CAMERA).detect(StereoFrame(*grey))
     assert len(found.lanes) == len(detection.lanes)
     for a, b in zip(found.lanes, detection.lanes, strict=True):
         assert a.lateral_offset == pytest.approx(b.lateral_offset, abs=0.02)
@@ -155,7 +166,7 @@ def test_grey_pictures_give_the_lanes_of_coloured_ones(pair, detection):
 def test_pictures_are_left_as_they_were(pair):
     left, right = pair.left.copy(), pair.right.copy()
     left.flags.writeable = right.flags.writeable = False  # as views of a message are
-    LaneDetector(CAMERA).detect(left, right)
+    LaneDetector(CAMERA).detect(StereoFrame(left, right))
     np.testing.assert_array_equal(left, pair.left)
 
 
@@ -163,7 +174,7 @@ def test_pictures_are_left_as_they_were(pair):
 @pytest.mark.parametrize("forward", [0.1, 0.5])
 def test_other_resolutions_find_the_same_lanes(pair, detection, lateral, forward):
     sizes = {"birds_eye.lateral_resolution": lateral, "birds_eye.forward_resolution": forward}
-    found = LaneDetector(CAMERA, replaced(DetectorConfig(), sizes)).detect(pair.left, pair.right)
+    found = LaneDetector(CAMERA, replaced(DetectorConfig(), sizes)).detect(StereoFrame(pair.left, pair.right))
     assert [lane.role for lane in found.lanes] == [lane.role for lane in detection.lanes]
     for a, b in zip(found.lanes, detection.lanes, strict=True):
         assert a.lateral_offset == pytest.approx(b.lateral_offset, abs=0.1)
@@ -179,7 +190,7 @@ def test_the_ends_of_the_ranges_are_answered(pair, lateral, forward, size):
         "birds_eye.length": size[0],
         "birds_eye.width": size[1],
     }
-    LaneDetector(CAMERA, replaced(DetectorConfig(), values)).detect(pair.left, pair.right)
+    LaneDetector(CAMERA, replaced(DetectorConfig(), values)).detect(StereoFrame(pair.left, pair.right))
 
 
 def noise(seed):
@@ -200,71 +211,59 @@ NO_ROADS = {
 
 @pytest.mark.parametrize("images", NO_ROADS.values(), ids=NO_ROADS)
 def test_where_there_is_no_road_a_note_says_so(images):
-    found = LaneDetector(CAMERA).detect(*images)
+    found = LaneDetector(CAMERA).detect(StereoFrame(*images))
     assert found.lanes == ()
     assert found.note == "no road surface in the disparity 1.2 to 2.3 m below the camera"
     assert found.disparity.shape == images[0].shape
-    assert found.road is found.birds_eye is found.vanishing_point is found.graph is None
+    assert found.road is found.birds_eye is found.direction is found.paint_map is None
     assert list(found.seconds) == STAGES[:2]
 
 
 def test_left_and_right_swapped_show_no_road(pair):
-    found = LaneDetector(CAMERA).detect(pair.right, pair.left)
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.right, pair.left))
     assert found.lanes == ()
     assert found.note == "no road surface in the disparity 1.2 to 2.3 m below the camera"
 
 
 @pytest.mark.parametrize("images", [NO_ROADS[name] for name in ("black", "noise", "1x1", "tall")])
 def test_the_paper_preset_answers_pictures_of_nothing(images):
-    found = LaneDetector(CAMERA, preset("paper")).detect(*images)
+    found = LaneDetector(CAMERA, preset("paper")).detect(StereoFrame(*images))
     assert bool(found.lanes) != bool(found.note)
 
 
 def test_a_road_without_paint_has_no_lanes_and_a_note_says_so():
     unpainted = Road(swing=0, lines=(UNPAINTED,) * 3)
     pair = render_pair(unpainted, position=10.0, seed=5)
-    found = LaneDetector(CAMERA).detect(pair.left, pair.right)
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.left, pair.right))
     assert found.lanes == ()
     assert found.note == f"no lanes among {len(found.paths)} paths"
     assert found.road is not None
 
 
-GREY = np.zeros((20, 30), np.uint8)
-
-
-@pytest.mark.parametrize(
-    ("left", "right", "message"),
-    [
-        (GREY, GREY[:, 1:], "the images differ in size: left 30x20, right 29x20, expected equal"),
-        (GREY, GREY[1:], "left 30x20, right 30x19"),
-        (GREY.astype(float), GREY, r"the left image is float64 \(20, 30\), expected uint8 \(H, W\)"),
-        (GREY, GREY.astype(np.uint16), r"the right image is uint16 \(20, 30\), expected uint8"),
-        (GREY[0], GREY, r"the left image is uint8 \(30,\)"),
-        (None, GREY, r"the left image is NoneType, expected an array"),
-        (GREY, None, r"the right image is NoneType, expected an array"),
-        (GREY, GREY.tolist(), r"the right image is list, expected an array"),
-        (np.zeros((20, 30, 4), np.uint8), GREY, r"the left image is uint8 \(20, 30, 4\), .* or \(H, W, 3\)"),
-        (GREY[:0], GREY[:0], r"the left image is empty: \(0, 30\)"),
-        (GREY, np.zeros((0, 0, 3), np.uint8), r"the right image is empty: \(0, 0, 3\)"),
-    ],
-)
-def test_bad_images_are_refused(left, right, message):
-    with pytest.raises(ValueError, match=message):
-        LaneDetector(CAMERA).detect(left, right)
-
-
 def test_a_grey_and_a_coloured_picture_of_equal_size_are_a_pair():
-    assert LaneDetector(CAMERA).detect(GREY, np.zeros((20, 30, 3), np.uint8)).lanes == ()
+    pair = StereoFrame(np.zeros((20, 30), np.uint8), np.zeros((20, 30, 3), np.uint8))
+    assert LaneDetector(CAMERA).detect(pair).lanes == ()
+
+
+def test_a_left_image_alone_shows_no_road_and_a_note_says_so(pair):
+    found = LaneDetector(CAMERA).detect(StereoFrame(pair.left))
+    assert found.lanes == found.candidates == ()
+    assert found.note == "no right image"
+    assert found.road is found.road_estimate.surface is None
+    assert found.score == 0
 
 
 def test_small_pictures_of_the_scene_are_answered(pair):
     quarter = [np.ascontiguousarray(image[::4, ::4]) for image in (pair.left, pair.right)]
-    LaneDetector(CAMERA).detect(*quarter)  # the camera's matrix no longer fits: whatever it says, no crash
+    LaneDetector(CAMERA).detect(
+        StereoFrame(*quarter)
+    )  # the camera's matrix no longer fits: whatever it says, no crash
 
 
 def test_paint_is_looked_for_in_both_images(pair, detection):
     left, right = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (pair.left, pair.right))
     view, config = detection.birds_eye, DetectorConfig().paint_map
-    np.testing.assert_array_equal(detection.graph.contrast, build_paint_map(view, config, right).contrast)
+    contrast, paint_map = detection.paint_map.contrast, BandsPaintMap(config)
+    np.testing.assert_array_equal(contrast, paint_map.build(view, right).contrast)
     for image in (None, left):
-        assert not np.array_equal(detection.graph.contrast, build_paint_map(view, config, image).contrast)
+        assert not np.array_equal(contrast, paint_map.build(view, image).contrast)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.parameter import Parameters, parameter, parameters, replaced
+from lane_dp_ros.core.parameter import Parameters, check_order, parameter, parameters, replaced
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,23 @@ class Stage(Parameters):
 @dataclass(frozen=True)
 class Config(Parameters):
     stage: Stage = field(default_factory=Stage)
+    seed: int = parameter(0, "A seed.")
+
+
+@dataclass(frozen=True)
+class Tuned(Parameters):
+    plain: float = parameter(1.0, "For everyone.", limits=(0.0, 5.0))
+    lowest: float = parameter(2.0, "For experts.", limits=(0.0, 5.0), expert=True)
+    highest: float = parameter(3.0, "For experts, too.", limits=(0.0, 5.0), expert=True)
+
+    def __post_init__(self):
+        super().__post_init__()
+        check_order(self, "tuned", "lowest", "highest")
+
+
+@dataclass(frozen=True)
+class Both(Parameters):
+    tuned: Tuned = field(default_factory=Tuned)
     seed: int = parameter(0, "A seed.")
 
 
@@ -140,3 +157,29 @@ def test_what_is_listed_can_be_put_back(size, share, on, seed):
     config = Config(Stage(size=size, share=share, on=on), seed)
     values = {name: spec.default for name, spec in parameters(config).items()}
     assert replaced(Config(), values) == config
+
+
+def test_expert_parameters_are_listed_unless_they_are_left_out():
+    assert list(parameters(Both())) == ["tuned.plain", "tuned.lowest", "tuned.highest", "seed"]
+    assert list(parameters(Both(), expert=False)) == ["tuned.plain", "seed"]
+    assert [spec.expert for spec in parameters(Both()).values()] == [False, True, True, False]
+
+
+def test_expert_parameters_are_replaced_and_checked_as_others_are():
+    assert replaced(Both(), {"tuned.lowest": 1.0}).tuned.lowest == 1.0
+    with pytest.raises(ValueError, match=r"tuned.lowest: got 6.0, expected 0 to 5"):
+        replaced(Both(), {"tuned.lowest": 6.0})
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "ordered"), [(2.9, 3.0, True), (3.0, 3.0, False), (4.0, 3.0, False)]
+)
+def test_two_values_may_have_to_be_in_order(lowest, highest, ordered):
+    values = {"tuned.lowest": lowest, "tuned.highest": highest}
+    if ordered:
+        assert replaced(Both(), values).tuned == Tuned(1.0, lowest, highest)
+    else:
+        with pytest.raises(
+            ValueError, match=rf"^tuned.highest: got 3.0, expected more than lowest = {lowest}$"
+        ):
+            replaced(Both(), values)

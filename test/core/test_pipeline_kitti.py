@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lanes over time on real drives, judged by their labels: a bent ramp with hatching, and a straight road."""
 
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -12,40 +11,36 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
-from lane_dp_ros.core.types import Lane
+from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.tools.datasets import kitti
 from lane_dp_ros.tools.evaluation.matching import judge
 from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))  # scripts that import one another
-
-from steady_lines import DRIVES, jitters
-
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"  # scripts that import one another
+DRIVES = ("01", "02")
 Frames = list[tuple[int, tuple[Lane, ...]]]  # stamp [ns] and lanes
-Answers = list[tuple[int, FrameResult]]
+Detections = list[tuple[int, StereoFrame, LaneDetection]]  # stamp [ns], frame, and what it shows by itself
+
+HATCHED = 16  # by itself this frame's hatching is taken for the direction of the road
+BEFORE_HATCHED = 10
 
 
 @pytest.fixture(scope="module")
-def detected(kitti_data) -> Callable[[str], tuple[StereoCamera, Answers]]:
-    """Return a function: the camera of a drive, and the answers to its pairs, each by itself."""
+def detected(kitti_data) -> Callable[[str], tuple[StereoCamera, Detections]]:
+    """Return a function: the camera of a drive, and what its frames show, each by itself."""
 
     @cache
     def of_drive(name):
         sequence = kitti.read_odometry(kitti_data / "kitti_odometry" / "sequences" / name)
         camera = StereoCamera.from_projections(sequence.P_left, sequence.P_right)
         detector = LaneDetector(camera)
-        pairs = kitti.load_pairs(sequence)
-
-        def answer(pair):
-            detection = detector.detect(pair.left, pair.right)
-            return FrameResult(pair.left, "", camera, detection, detection.lanes, right=pair.right)
-
-        return camera, [(pair.stamp_ns, answer(pair)) for pair in pairs]
+        frames = [(pair.stamp_ns, StereoFrame(pair.left, pair.right)) for pair in kitti.load_pairs(sequence)]
+        return camera, [(stamp_ns, frame, detector.detect(frame)) for stamp_ns, frame in frames]
 
     return of_drive
 
@@ -55,9 +50,16 @@ def labels(kitti_data):
     return {frame.name: frame for frame in load_truth(kitti_data / "labels" / "lanes.json")}
 
 
-def tracked(answers: Answers, enabled: bool = True) -> Frames:
+def followed(camera: StereoCamera, detections: Detections, enabled: bool = True) -> list[FrameResult]:
     pipeline, config = LanePipeline(), replaced(DetectorConfig(), {"tracking.enabled": enabled})
-    return [(stamp_ns, pipeline.follow(answer, stamp_ns, config).lanes) for stamp_ns, answer in answers]
+    return [
+        pipeline.process(frame, camera, stamp_ns, config, unaided) for stamp_ns, frame, unaided in detections
+    ]
+
+
+def tracked(camera: StereoCamera, detections: Detections, enabled: bool = True) -> Frames:
+    results = followed(camera, detections, enabled)
+    return [(stamp_ns, result.lanes) for (stamp_ns, *_), result in zip(detections, results, strict=True)]
 
 
 def judged(name: str, camera: StereoCamera, frames: Frames, labels) -> Summary:
@@ -72,13 +74,13 @@ def judged(name: str, camera: StereoCamera, frames: Frames, labels) -> Summary:
 @pytest.mark.parametrize("name", DRIVES)
 def test_every_painted_line_keeps_its_id(name, detected, labels):
     camera, frames = detected(name)
-    assert judged(name, camera, tracked(frames), labels).id_switches == 0
+    assert judged(name, camera, tracked(camera, frames), labels).id_switches == 0
 
 
 @pytest.mark.parametrize("name", DRIVES)
 def test_tracking_finds_no_less_and_invents_nothing(name, detected, labels):
     camera, frames = detected(name)
-    alone, over_time = (judged(name, camera, tracked(frames, on), labels) for on in (False, True))
+    alone, over_time = (judged(name, camera, tracked(camera, frames, on), labels) for on in (False, True))
     assert over_time.paper_precision >= alone.paper_precision
     assert over_time.lane_recall >= alone.lane_recall
     assert over_time.false_lanes <= alone.false_lanes
@@ -90,21 +92,60 @@ def test_tracking_is_as_exact_as_each_frame_by_itself(detected, labels):
     for name in DRIVES:
         camera, frames = detected(name)
         for i, enabled in enumerate((False, True)):
-            sums[i] += judged(name, camera, tracked(frames, enabled), labels)
+            sums[i] += judged(name, camera, tracked(camera, frames, enabled), labels)
     alone, over_time = (total.localisation_error for total in sums)
     assert over_time <= 0.014
     assert over_time <= alone + 0.0005
 
 
-def test_lines_are_steady(detected):
+def test_lines_are_steady(detected, monkeypatch):
     """Taken over both drives; on the ramp half of it is the vehicle's own turning."""
-    values = [value for name in DRIVES for value in jitters(lanes for _, lanes in tracked(detected(name)[1]))]
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    from steady_lines import jitters
+
+    values = [value for name in DRIVES for value in jitters(lanes for _, lanes in tracked(*detected(name)))]
     assert np.mean(values) <= 0.0105
 
 
 @pytest.mark.parametrize("name", DRIVES)
 def test_no_frame_is_without_an_answer(name, detected):
     """Nor has it a line without an id of its own."""
-    for _, lanes in tracked(detected(name)[1]):
+    for _, lanes in tracked(*detected(name)):
         assert lanes
         assert len({lane.id for lane in lanes}) == len(lanes)
+
+
+def at_ten_metres(lanes):
+    """Return where the lanes run 10 m ahead."""
+    return [float(np.interp(10.0, lane.points[:, 2], lane.points[:, 0])) for lane in lanes]
+
+
+def test_a_jump_of_the_roads_axis_is_looked_at_along_the_axis_before(detected):
+    camera, frames = detected("01")
+    frames = frames[BEFORE_HATCHED : HATCHED + 1]
+    held = followed(camera, frames)[-1]
+    alone, before = frames[-1][2], frames[-2][2]
+    assert abs(alone.birds_eye.axis.curvature - before.birds_eye.axis.curvature) > 0.01
+    assert held.detection.score > alone.score
+    assert at_ten_metres(held.lanes) == pytest.approx(at_ten_metres(before.lanes), abs=0.2)
+
+
+def test_without_tracking_every_frame_stands_for_itself(detected):
+    camera, frames = detected("01")
+    frames = frames[BEFORE_HATCHED : HATCHED + 2]
+    for result, (*_, alone) in zip(followed(camera, frames, enabled=False), frames, strict=True):
+        assert result.detection is alone
+
+
+def test_the_answer_is_the_same_whether_or_not_a_frame_was_looked_at_before(detected):
+    """Over the hatching, frame by frame, down to the last bit."""
+    camera, frames = detected("01")
+    frames = frames[BEFORE_HATCHED : HATCHED + 2]
+    looked_at = followed(camera, frames)
+    fresh = followed(camera, [(stamp_ns, frame, None) for stamp_ns, frame, _ in frames])
+    for one, other in zip(looked_at, fresh, strict=True):
+        assert (one.problem, one.road_profile) == (other.problem, other.road_profile)
+        assert [lane.id for lane in one.lanes] == [lane.id for lane in other.lanes]
+        for a, b in zip(one.lanes, other.lanes, strict=True):
+            np.testing.assert_array_equal(a.points, b.points)
+            assert a.confidence == b.confidence

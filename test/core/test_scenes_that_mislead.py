@@ -4,11 +4,11 @@
 
 import numpy as np
 import pytest
-from lane_dp_ros.core.road.arc_vanishing_point import road_axis
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
+from lane_dp_ros.core.road.vanishing_point import ArcVanishingPoint, VanishingPointConfig
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import CAMERA, Road
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.road import SOLID, UNPAINTED, Line
@@ -26,7 +26,7 @@ START = 4.0  # m along the road
 def detected(road, seed, light=None):
     """Return the pair and what is found in it."""
     pair = render_frame(Scene(road, light or Light(), motion=Motion(start=START)), 0, seed)
-    return pair, LaneDetector(CAMERA).detect(pair.left, pair.right)
+    return pair, LaneDetector(CAMERA).detect(StereoFrame(pair.left, pair.right))
 
 
 def errors(road, lane, truth):
@@ -68,8 +68,9 @@ def crossing(side, *strips):
 def test_lines_askew_of_the_kerbs_that_outvote_them_are_found(side, seed):
     road = crossing(side, *((n, TAR) for n in (-4, -3.2, -2.5, -1, 0.2, 1, 2.5, 3.2, 4)))
     pair, found = detected(road, seed)
-    voted = road_axis(road_edges(pair.left[:, :, 1], found.disparity, found.road), VanishingPointConfig())
-    assert abs(voted.heading) < np.deg2rad(2)  # along the kerbs
+    edges = ArcVanishingPoint(VanishingPointConfig())
+    voted = edges.estimate(pair.left[:, :, 1], found.disparity, found.road)
+    assert abs(voted.axis.heading) < np.deg2rad(2)  # along the kerbs
     assert found.birds_eye.axis.heading == pytest.approx(side * ASKEW, abs=0.02)
     assert len(found.lanes) == 2
     assert_found_where_painted(road, pair, found)

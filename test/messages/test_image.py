@@ -11,7 +11,13 @@ from rosbags.image import message_to_cvimage
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
-from lane_dp_ros.messages.image import ENCODINGS, compressed_image_from_ros, image_from_ros, image_to_ros, stereo_images_from_ros
+from lane_dp_ros.messages.image import (
+    ENCODINGS,
+    compressed_image_from_ros,
+    image_from_ros,
+    image_to_ros,
+    stereo_images_from_ros,
+)
 from lane_dp_ros.ros.rclpy_message import rclpy_message
 
 HEADER = Header(stamp=Time(sec=12, nanosec=345), frame_id="left_optical")

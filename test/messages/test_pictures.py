@@ -9,6 +9,7 @@ import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import Lane
@@ -27,9 +28,8 @@ def lane(x: float, role: str, **changes: object) -> Lane:
 
 def birds_eye(image: np.ndarray):
     surface = RoadSurface.plane(CAMERA, HEIGHT, pitch=0.0)
-    disparity = np.full(SHAPE, np.nan, np.float32)
     config = BirdsEyeConfig(near=4.0, length=30.0, width=12.0)
-    return birds_eye_view(image, disparity, surface, RoadAxis(), config)
+    return birds_eye_view(image, DisparityMap.unknown(SHAPE), surface, RoadAxis(), config)
 
 
 @pytest.mark.parametrize("shape", [SHAPE, (*SHAPE, 3)])

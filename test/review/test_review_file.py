@@ -12,7 +12,15 @@ from pathlib import Path
 import pytest
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.review.judgement import Judgement, Line, Table, judgement_from_json, judgement_to_json, lines_from_json, table_of
+from lane_dp_ros.review.judgement import (
+    Judgement,
+    Line,
+    Table,
+    judgement_from_json,
+    judgement_to_json,
+    lines_from_json,
+    table_of,
+)
 from lane_dp_ros.review.review_file import ReviewFile, locked
 
 LINE = Line("7", "ego_left", "dashed", True, ((10.0, 190.0), (150.5, 80.25)))

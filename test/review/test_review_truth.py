@@ -14,7 +14,14 @@ from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.review.drive import Drive
 from lane_dp_ros.review.judgement import Judgement, Line, lines_to_json
 from lane_dp_ros.review.lanes_bag import detect_lanes
-from lane_dp_ros.review.lines_as_truth import Grounds, detected_lines, ground_through, image_points, known, simplified
+from lane_dp_ros.review.lines_as_truth import (
+    Grounds,
+    detected_lines,
+    ground_through,
+    image_points,
+    known,
+    simplified,
+)
 from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.review.review import Review
 from lane_dp_ros.review.review_file import ReviewFile

@@ -6,12 +6,9 @@ import os
 from pathlib import Path
 
 # ruff: noqa: E402
-# Before any ROS import: a domain of its own, so that runs side by side do not hear one another; the DDS
-# profile, without which images get lost between processes; and messages that check their fields' types.
+# Before any ROS import: the DDS profile, without which images get lost between processes.
 PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_big_images.xml"
 os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
-os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 
 import threading
 import time
@@ -29,20 +26,21 @@ from visualization_msgs.msg import MarkerArray
 
 from lane_dp_ros.messages.image import image_to_ros
 from lane_dp_ros.messages.lanes import lanes_from_ros
+from lane_dp_ros.ros import lane_detector_node
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.ros.rclpy_message import rclpy_message
-from lane_dp_ros.scenes import CAMERA, SIZE, render_sequence
+from lane_dp_ros.scenes import CAMERA, SIZE
 
 SIDES = ("left", "right")
 DEADLINE = 15.0  # s
 FRAME_NS = 100_000_000
+REPORT_PERIOD = 0.2  # s; a node in a process of its own keeps its second
 
 
 @pytest.fixture(scope="session")
-def scene_pair():
+def scene_pair(scene_pairs):
     """A rendered road with lanes, as the left and the right image (BGR)."""
-    pair = next(render_sequence(frames=1, rate=10.0, seed=1))
-    return pair.left, pair.right
+    return scene_pairs[0].left, scene_pairs[0].right
 
 
 def projections(scale=1.0):
@@ -60,6 +58,7 @@ class Rig:
     def __init__(self, scene_pair, with_node=True, cli_args=None, namespace="", **node_options):
         self.scene_pair = scene_pair
         self.stamp_ns = 1_000_000_000
+        self.frame_ns = FRAME_NS
         self.context = Context()
         rclpy.init(context=self.context)
         options = {"context": self.context, "cli_args": cli_args, "namespace": namespace}
@@ -121,7 +120,7 @@ class Rig:
             self.info_publishers[side].publish(CameraInfo(width=size[0], height=size[1], p=P))
 
     def next_stamp(self):
-        self.stamp_ns += FRAME_NS
+        self.stamp_ns += self.frame_ns
         return self.stamp_ns
 
     def send(self, left=None, right=None, stamp_ns=None):
@@ -172,8 +171,9 @@ class Rig:
 
 
 @pytest.fixture
-def make_rig(scene_pair):
+def make_rig(scene_pair, monkeypatch):
     """Return a function that starts a `Rig`; all are closed after the test."""
+    monkeypatch.setattr(lane_detector_node, "REPORT_PERIOD", REPORT_PERIOD)
     rigs = []
 
     def make(**node_options):

@@ -176,11 +176,14 @@ def test_noise(rig):
 
 def test_images_without_a_pair(rig, scene_pair):
     rig.send_infos()
-    for _ in range(8):
+
+    def said():
         stamp_ns = rig.next_stamp()
-        for side, late_ns in (("left", 0), ("right", 40_000_000)):
-            index = ("left", "right").index(side)
-            rig.image_publishers[side].publish(rig.image(scene_pair[index], stamp_ns + late_ns))
+        for side, image, late_ns in zip(("left", "right"), scene_pair, (0, 40_000_000), strict=True):
+            rig.image_publishers[side].publish(rig.image(image, stamp_ns + late_ns))
+        return any("Images come, but no pairs" in status.message for status in rig.statuses)
+
+    rig.wait(said)
     values = rig.diagnosis("Images come, but no pairs", WARN)
     assert int(values["unpaired left images"]) > 0
     assert rig.arrays == []

@@ -17,11 +17,22 @@ from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.ros import demo_session
-from lane_dp_ros.tools.demo import FRAMES
 
 ROOT = Path(__file__).resolve().parents[2]
 RATE = 0.25  # slow enough for any machine, or other tests beside it: how fast it is, benchmarks tell
-DEMO = [sys.executable, "-m", "lane_dp_ros.tools.cli", "demo", "--rate", str(RATE)]
+FRAMES = 12
+
+
+def start_demo(folder: Path, frames: int, *options: str, **popen_options) -> subprocess.Popen:
+    """Start a demo of fewer frames than a user's."""
+    arguments = ["demo", "-o", str(folder), *options]
+    code = f"""
+import sys
+from lane_dp_ros.tools import cli, demo
+demo.FRAMES = {frames}
+sys.exit(cli.main({arguments!r}))
+"""
+    return subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, **popen_options)
 
 
 def detectors_of(process: subprocess.Popen) -> list[int]:
@@ -50,7 +61,7 @@ def wait_for(condition, timeout: float):
 def demo(tmp_path_factory) -> tuple[Path, str]:
     """Run the demo once; return its folder and what it printed."""
     folder = tmp_path_factory.mktemp("demo")
-    process = subprocess.Popen([*DEMO, "-o", str(folder)], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    process = start_demo(folder, FRAMES, "--rate", str(RATE), stdout=subprocess.PIPE, text=True)
     printed, _ = process.communicate(timeout=240)
     assert process.returncode == 0
     assert detectors_of(process) == []
@@ -89,15 +100,9 @@ ENDS = [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
 
 @pytest.mark.parametrize(("number", "code"), ENDS)
 def test_no_process_outlives_the_demo(tmp_path, number, code) -> None:
-    code_of_demo = f"""
-import sys
-from lane_dp_ros.tools import cli, demo
-demo.FRAMES = 3
-sys.exit(cli.main(["demo", "-o", {str(tmp_path / "demo")!r}]))
-"""
-    process = subprocess.Popen([sys.executable, "-c", code_of_demo], cwd=ROOT, stdout=subprocess.DEVNULL)
+    process = start_demo(tmp_path / "demo", 3, stdout=subprocess.DEVNULL)
     try:
-        wait_for(lambda: detectors_of(process), timeout=120)
+        wait_for(lambda: detectors_of(process) or process.poll() is not None, timeout=120)
         os.kill(process.pid, number)
         assert process.wait(timeout=30) == code
         wait_for(lambda: not detectors_of(process), timeout=15)

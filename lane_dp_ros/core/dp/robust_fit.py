@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[Any]
 
-STILL = 1e-7  # change of every coefficient, from round to round, of a fit that stands still
+STILL = 1e-5  # change of every coefficient, from round to round, of a fit that stands still
 MIN_DETERMINANT = 1e-5  # of three rows (1, t, t^2), t in [-1, 1]: closer points fix no parabola
 
 

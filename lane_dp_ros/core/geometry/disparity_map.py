@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +35,8 @@ class DisparityMap:
         height, width = self.matched.shape
         scale = height / max(self.shape[0] - self.first, 1), width / self.shape[1]
         row = ((rows - self.first) * scale[0] + EPSILON).astype(np.intp)
-        found = self.matched[row, (columns * scale[1] + EPSILON).astype(np.intp)]
+        cells = row * width + (columns * scale[1] + EPSILON).astype(np.intp)
+        found = self.matched.ravel().take(cells, mode="clip")
         above = rows < self.first
         if np.any(above):
             found = np.where(above, np.float32(np.nan), found)
@@ -44,13 +44,9 @@ class DisparityMap:
 
     def nearest(self, u: NDArray[np.float32], v: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the disparity [px] of the pixels nearest to (u, v), arrays of one shape; NaN for none."""
-        return self.at(np.rint(v).astype(np.intp), np.rint(u).astype(np.intp))
+        return self.at(np.rint(v), np.rint(u))
 
     @cached_property
     def full(self) -> NDArray[np.float32]:
         """The disparity (H, W) [px] of every pixel, NaN where there is none."""
-        disparity = np.full(self.shape, np.nan, np.float32)
-        size = self.shape[1], self.shape[0] - self.first
-        if size[1] > 0:
-            disparity[self.first :] = cv2.resize(self.matched, size, interpolation=cv2.INTER_NEAREST)
-        return disparity
+        return self.at(np.arange(self.shape[0])[:, None], np.arange(self.shape[1])[None])

@@ -40,6 +40,7 @@ SATURATED = 250.0  # grey levels; how bright such ground is nobody knows
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
 DASH = 1.5  # m of paint, at least
 DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
+REMAP_ROWS = 32_766  # OpenCV samples no more at once
 
 
 def measure(
@@ -138,8 +139,12 @@ def _cross_sections(view: BirdsEyeView, each: _Rows) -> NDArray[np.float32]:
     offset = np.arange(-half - move - 1, half + move + 2) * (SAMPLE / view.resolution[1])
     map_u = each.column.astype(np.float32)[:, None] + offset.astype(np.float32)
     map_v = np.broadcast_to(each.rows.astype(np.float32)[:, None], map_u.shape)
-    grey = cv2.remap(view.image, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    grey = np.asarray(grey, dtype=np.float32).reshape(map_u.shape)
+    pieces = [slice(i, i + REMAP_ROWS) for i in range(0, len(map_u), REMAP_ROWS)]
+    sampled = [
+        cv2.remap(view.image, map_u[i], map_v[i], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        for i in pieces
+    ]
+    grey = np.concatenate(sampled, dtype=np.float32)
     middle = len(offset) // 2
     near = grey[:, middle - move - 1 : middle + move + 2]
     peak = middle - move + (near[:, :-2] + near[:, 1:-1] + near[:, 2:]).argmax(axis=1)

@@ -118,9 +118,8 @@ def _seen(u: Floats, v: Floats, u_right: Floats, shape: tuple[int, ...]) -> NDAr
 
 def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> NDArray[np.float32]:
     """Return the grey values at columns u (planes, rows, columns) and rows v (rows, columns)."""
-    map_v = np.broadcast_to(v, u.shape).reshape(-1, u.shape[2])
-    sampled = cv2.remap(image, u.reshape(map_v.shape), map_v, cv2.INTER_LINEAR)
-    return np.asarray(sampled, dtype=np.float32).reshape(u.shape)
+    # Plane by plane: OpenCV samples at most 32,766 rows at once, fewer than many lines have on all planes.
+    return np.stack([cv2.remap(image, plane, v, cv2.INTER_LINEAR) for plane in u]).astype(np.float32)
 
 
 def _heights(
@@ -132,9 +131,8 @@ def _heights(
     are `seen` (rows,) from end to end.
     """
     counts = lines.count(seen)
-    heights = np.full(len(lines), np.nan)
     if counts.max() < MIN_ROWS:
-        return heights
+        return np.full(len(lines), np.nan)
     weight = seen.astype(np.float32)[:, None]
     scale = np.float32(1 / left.shape[1])
     left = (left - left.sum(axis=1, keepdims=True) * scale) * weight
@@ -145,17 +143,19 @@ def _heights(
     right -= left
     np.minimum(np.abs(right, out=right), np.float32(OUTLIER), out=right)
     difference = lines.sum(right.sum(axis=2)) / np.maximum(counts * left.shape[1], 1)
-    for i in np.flatnonzero(counts >= MIN_ROWS):
-        heights[i] = _best_height(difference[:, i], distinct)
+    heights = _best_heights(difference, distinct)
+    heights[counts < MIN_ROWS] = np.nan
     return heights
 
 
-def _best_height(difference: Floats, distinct: float) -> float:
-    """Return the height [m] at which the difference (planes,) is least, NaN where it is not distinct."""
-    i = int(difference.argmin())
-    if i == 0 or np.median(difference) < (1 + distinct) * max(difference[i], NOISE):
-        return float(np.nan)
-    if i == len(PLANES) - 1:
-        return float(PLANES[-1])
-    before, least, after = difference[i - 1 : i + 2]
-    return float(PLANES[i] + 0.5 * STEP * (before - after) / (before - 2 * least + after))
+def _best_heights(difference: Floats, distinct: float) -> NDArray[np.float64]:
+    """Return, of each line, the height [m] where difference (planes, lines) is least, NaN unless distinct."""
+    best = difference.argmin(axis=0)
+    line = np.arange(len(best))
+    least, median = difference[best, line], np.median(difference, axis=0)
+    inside = np.clip(best, 1, len(PLANES) - 2)
+    before, middle, after = (difference[inside + k, line] for k in (-1, 0, 1))
+    curved = np.where(inside == best, np.maximum(before - 2 * middle + after, 1e-9), 1.0)
+    heights = PLANES[best] + np.where(inside == best, 0.5 * STEP * (before - after) / curved, 0.0)
+    known = (best > 0) & (median >= (1 + distinct) * np.maximum(least, NOISE))
+    return np.where(known, heights, np.nan)

@@ -71,8 +71,8 @@ class LabelledFrame:
     `ground` (4,) gives the road's disparity [px]: g0 + g1 n + g2 n^2 + g3 m with n = (v - cy) / 100,
     m = (u - cx) / 100. `camera` is the labels' own: its frame is centred on the left camera.
     `size` [px] is the images' width and height. A frame of a bag has `stamp_ns`, one of loose images has the
-    paths `left` and `right` below a data folder. `sequence` defaults to the folders of the name; `drive` is the
-    road that it belongs to where the sequence holds several.
+    paths `left` and `right` below a data folder. `sequence` defaults to the folders of the name; `drive` is
+    the road that it belongs to where the sequence holds several.
     """
 
     name: str

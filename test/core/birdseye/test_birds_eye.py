@@ -7,10 +7,11 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view, right_view
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
@@ -19,6 +20,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 CONFIG = BirdsEyeConfig(near=4.0, length=20.0, width=8.0, forward_resolution=0.5, lateral_resolution=0.1)
 SMALL = replace(CONFIG, length=10.0, width=4.0, forward_resolution=1.0, lateral_resolution=0.2)
 AXIS = RoadAxis(heading=-0.05, curvature=0.01)
+AXES = {"straight": RoadAxis(), "turned": RoadAxis(0.1), "bend": RoadAxis(-0.05, 0.02)}
 HEIGHT = 1.6  # m
 
 
@@ -82,9 +84,9 @@ def test_what_stands_on_the_road_is_not_road(camera, blank, disparity_of):
     road = RoadSurface.plane(camera, HEIGHT, 0.0)
     disparity = disparity_of(road)
     rows, columns = slice(200, 220), slice(300, 360)  # 13 m to 10.4 m ahead
-    disparity[rows, columns] *= HEIGHT / (HEIGHT - 0.4)  # 0.4 m above the ground
-    disparity[240:245, columns] *= HEIGHT / (HEIGHT - 0.05)  # less than the tolerance
-    disparity[250:, :300] = np.nan
+    disparity.matched[rows, columns] *= HEIGHT / (HEIGHT - 0.4)  # 0.4 m above the ground
+    disparity.matched[240:245, columns] *= HEIGHT / (HEIGHT - 0.05)  # less than the tolerance
+    disparity.matched[250:, :300] = np.nan
     view = birds_eye_view(blank, disparity, road, RoadAxis(), CONFIG)
     high = (view.map_v > 201) & (view.map_v < 219) & (view.map_u > 301) & (view.map_u < 359)
     assert np.count_nonzero(high) > 30
@@ -97,14 +99,14 @@ def test_what_stands_on_the_road_is_not_road(camera, blank, disparity_of):
 
 def test_less_than_a_pixel_of_disparity_is_noise_whatever_height_it_means(camera, blank, disparity_of):
     road = RoadSurface.plane(camera, HEIGHT, 0.0)
-    view = birds_eye_view(blank, disparity_of(road) + np.float32(0.8), road, RoadAxis(), BirdsEyeConfig())
+    disparity = disparity_of(road)
+    disparity.matched[:] += 0.8
+    view = birds_eye_view(blank, disparity, road, RoadAxis(), BirdsEyeConfig())
     assert np.nanmax(view.height) > BirdsEyeConfig().height_tolerance
     assert np.array_equal(view.on_road, view.seen)
 
 
-def test_the_ground_that_is_given_makes_the_map_and_the_surface_the_heights(
-    camera, blank, disparity_of, road
-):
+def test_the_plane_that_is_given_makes_the_map_and_the_surface_the_heights(camera, blank, disparity_of, road):
     flat = RoadSurface.plane(camera, HEIGHT, 0.03)
     view = birds_eye_view(blank, disparity_of(road), road, AXIS, CONFIG, flat)
     x, z = AXIS.to_ground(view.s[:, None], view.n[None])
@@ -116,13 +118,13 @@ def test_the_ground_that_is_given_makes_the_map_and_the_surface_the_heights(
 
 @given(s=st.floats(4.5, 30), n=st.floats(-6, 6))
 def test_points_lie_on_the_surface_where_the_map_shows_them(camera, view, s, n):
-    ground = RoadSurface.plane(camera, HEIGHT, 0.03)
-    for seen_as in (view, replace(view, ground=ground)):
+    plane = RoadSurface.plane(camera, HEIGHT, 0.03)
+    for seen_as in (view, replace(view, ipm_plane=plane)):
         points = seen_as.to_points([s], [n])
         pixels = camera.project(points)
         np.testing.assert_allclose(pixels, seen_as.to_pixels([s], [n]), atol=1e-6)
         depth = points[:, 2] + camera.left_translation[2]
-        expected = seen_as.surface.disparity(*pixels.T)
+        expected = seen_as.road_surface.disparity(*pixels.T)
         np.testing.assert_allclose(camera.fx * camera.baseline / depth, expected, atol=1e-6)
         np.testing.assert_allclose(np.ravel(seen_as.to_road(points)), [s, n], atol=1e-6)
         column, row = seen_as.cells(points)[0]
@@ -181,10 +183,12 @@ def test_the_mean_does_not_shift_a_line_across_the_road(camera, disparity_of, pl
     assert centroid.mean() == pytest.approx(place, abs=0.01)
 
 
-def test_awkward_input_gives_a_view(awkward_image, awkward_disparity, awkward_camera):
-    road = RoadSurface.plane(awkward_camera, HEIGHT, 0.02)
-    disparity = np.full(awkward_image.shape, awkward_disparity, np.float32)
-    view = birds_eye_view(awkward_image, disparity, road, RoadAxis(0.1, -0.05), SMALL)
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_input_gives_a_view(awkward, data):
+    image, disparity, camera = data.draw(awkward)
+    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    view = birds_eye_view(image, disparity, road, RoadAxis(0.1, -0.05), SMALL)
     assert view.image.shape == view.height.shape == view.on_road.shape == (10, 20)
     assert not np.any(view.on_road & ~view.seen)
 
@@ -205,7 +209,7 @@ def test_what_either_camera_does_not_see_or_stands_on_the_road_is_not_on_the_rig
 ):
     road = RoadSurface.plane(camera, HEIGHT, 0.02)
     disparity = disparity_of(road)
-    disparity[200:210] += 20  # a bar across the road
+    disparity.matched[200:210] += 20  # a bar across the road
     view = birds_eye_view(blank, disparity, road, RoadAxis(), replace(CONFIG, width=12.0))
     other = right_view(blank, view)
     assert np.any(view.on_road & ~other.seen)  # at the left border the left camera alone sees the ground
@@ -237,7 +241,7 @@ def test_cells_that_a_standing_thing_hides_from_the_right_camera_are_not_on_its_
     disparity = disparity_of(road)
     # Where the left camera looks past the top of the kerb; what is that high has the larger disparity.
     standing = (x * (1 - height / HEIGHT) > 2.0) & (x * (1 - height / HEIGHT) < 2.2) & (z < 30)
-    disparity[standing] /= 1 - height / HEIGHT
+    disparity.matched[standing] /= 1 - height / HEIGHT
     view = birds_eye_view(blank, disparity, road, RoadAxis(), CONFIG)
     other = right_view(blank, view)
     row = int(np.argmin(np.abs(view.s - 12.0)))
@@ -247,3 +251,69 @@ def test_cells_that_a_standing_thing_hides_from_the_right_camera_are_not_on_its_
     aside = camera.baseline * height / (HEIGHT - height)
     assert hidden.min() == pytest.approx(kerb.min() - aside, abs=0.15)
     assert hidden.max() <= kerb.max()
+
+
+def test_a_road_that_climbs_far_above_the_matched_rows_is_looked_at(camera):
+    """A few rows at the bottom were matched; above them nothing is known of heights, as without a match."""
+    road = RoadSurface.plane(camera, HEIGHT, 0.05)
+    image = np.random.default_rng(0).integers(0, 256, (300, 640), np.uint8)
+    low = DisparityMap(image.shape, 270, np.full((15, 320), 3.0, np.float32))
+    view = birds_eye_view(image, low, road, RoadAxis(), CONFIG)
+    above = view.map_v < 269.5
+    assert np.count_nonzero(above) > 1000
+    assert np.isnan(view.height[above]).all()
+    assert np.array_equal(view.on_road[above], view.seen[above])
+
+
+def test_resolution_is_metres_per_row_and_column(painted_road):
+    assert painted_road().view().resolution == pytest.approx((0.25, 0.05))
+
+
+def test_columns_count_from_the_left_and_end_with_the_view(painted_road):
+    """200 columns of 0.05 m, the first one's centre at -4.975 m."""
+    view = painted_road().view()
+    np.testing.assert_allclose(view.columns([-4.975, 0.0, 4.975]), [0, 99.5, 199])
+    assert view.nearest_columns([-6.0, -4.94, 0.02, 6.0]).tolist() == [0, 1, 100, 199]
+
+
+def test_pixels_of_a_flat_straight_road_are_those_of_a_pinhole(painted_road):
+    view = painted_road().view()
+    # u = cx + fx n / s, v = cy + fy h / s with f = 721.5, cx = 609.6, cy = 172.9, h = 1.65 m
+    expected = [[609.6, 172.9 + 721.5 * 1.65 / 10], [609.6 + 721.5 * 2 / 20, 172.9 + 721.5 * 1.65 / 20]]
+    np.testing.assert_allclose(view.to_pixels([10, 20], [0, 2]), expected)
+
+
+def test_points_of_a_flat_straight_road_lie_under_the_camera(painted_road):
+    points = painted_road().view().to_points([10, 20], [0, 2])
+    np.testing.assert_allclose(points, [[0, 1.65, 10], [2, 1.65, 20]], atol=1e-9)
+
+
+@pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
+def test_cells_road_and_points_go_round(painted_road, axis):
+    view = painted_road(axis=axis).view()
+    rows, columns = np.array([0, 40, 79]), np.array([0, 120, 199])
+    points = view.to_points(view.s[rows], view.n[columns])
+    np.testing.assert_allclose(view.cells(points), np.column_stack([columns, rows]), atol=1e-6)
+    s, n = view.to_road(points)
+    np.testing.assert_allclose(s, view.s[rows])
+    np.testing.assert_allclose(n, view.n[columns])
+    np.testing.assert_allclose(
+        view.to_pixels(s, n),
+        np.column_stack([view.map_u[rows, columns], view.map_v[rows, columns]]),
+        rtol=1e-5,
+    )
+
+
+@pytest.mark.parametrize("channels", [(), (3,)], ids=["grey", "colour"])
+def test_warp_shows_any_image_from_above_and_black_where_unseen(painted_road, channels):
+    road = painted_road()
+    road.seen[:, :100] = False
+    image = np.broadcast_to(
+        np.arange(375, dtype=np.uint8).reshape(-1, 1, *[1] * len(channels)), (375, 1242, *channels)
+    )
+    warped = road.view().warp(np.ascontiguousarray(image))
+    assert warped.dtype == np.uint8
+    assert warped.shape == (80, 200, *channels)
+    assert not warped[:, :100].any()
+    # Row v has grey value v: at 13.875 m ahead v = 172.9 + 721.5 * 1.65 / 13.875 = 258.7, less 256.
+    assert np.all(np.abs(warped[road.s == 13.875][:, 100:].astype(int) - 2.7) <= 1.0)

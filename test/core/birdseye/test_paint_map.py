@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view, right_view
-from lane_dp_ros.core.birdseye.paint_map import SENSOR_NOISE, TEXTURE_MAX, PaintMapConfig, band_contrast, build_paint_map, edge_graph, road_texture, shifted
+from lane_dp_ros.core.birdseye.paint_map import (
+    BandsPaintMap,
+    EdgesPaintMap,
+    PaintMap,
+    PaintMapConfig,
+    band_contrast,
+    paint_map_builder,
+    road_texture,
+)
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.config import preset
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
@@ -18,37 +27,46 @@ ASPHALT = 90  # grey level of the drawn pictures
 CENTRE = 1.025  # m, the middle of a column
 ROW = 40
 EDGES = preset("paper").paint_map
+BANDS = BandsPaintMap(PaintMapConfig())
 
 
 def column(view, n):
     return int(np.abs(view.n - n).argmin())
 
 
+def seen(road):
+    """Return the view of a road and its map of bright bands."""
+    paint = road.bands()
+    return paint.view, paint.paint_map
+
+
 @pytest.mark.parametrize("width", [0.10, 0.15, 0.20, 0.25, 0.30])
 def test_a_line_of_a_paints_width_is_certain_paint_at_its_centre(painted_road, width):
-    view, graph = painted_road().line(CENTRE, width).bands()
-    assert graph.contrast[ROW].argmax() == column(view, CENTRE)
-    assert graph.feature[ROW, column(view, CENTRE)] == 1
-    assert not graph.feature[:, np.abs(view.n - CENTRE) > 0.5].any()
+    view, paint_map = seen(painted_road().line(CENTRE, width))
+    assert paint_map.contrast[ROW].argmax() == column(view, CENTRE)
+    assert paint_map.feature[ROW, column(view, CENTRE)] == 1
+    assert not paint_map.feature[:, np.abs(view.n - CENTRE) > 0.5].any()
 
 
 def test_contrast_is_in_units_of_the_sensors_noise_on_smooth_ground(painted_road):
     """0.15 m are three cells of 0.05 m of nothing but paint, 80 levels above both flanks."""
-    view, graph = painted_road().line(CENTRE, 0.15, brightness=80).bands()
-    assert graph.contrast[ROW, column(view, CENTRE)] == pytest.approx(80 / SENSOR_NOISE)
+    view, paint_map = seen(painted_road().line(CENTRE, 0.15, brightness=80))
+    assert paint_map.contrast[ROW, column(view, CENTRE)] == pytest.approx(80 / 3.0)
 
 
 def test_the_feature_rises_between_two_contrasts(painted_road):
-    view, graph = painted_road().line(CENTRE, brightness=6).bands()  # contrast 6 / 3 = 2
+    view, paint_map = seen(painted_road().line(CENTRE, brightness=6))  # contrast 6 / 3 = 2
     expected = (2 - 0.35) / (2.8 - 0.35)  # the defaults of contrast_min and contrast_max
-    assert graph.feature[ROW, column(view, CENTRE)] == pytest.approx(expected)
-    np.testing.assert_allclose(graph.cost, 1 - graph.feature)
+    assert paint_map.feature[ROW, column(view, CENTRE)] == pytest.approx(expected)
+    np.testing.assert_allclose(paint_map.cost, 1 - paint_map.feature)
 
 
 def test_paint_has_its_peak_where_the_feature_is_flat(painted_road):
-    view, graph = painted_road().line(CENTRE, brightness=80).bands()
-    assert np.count_nonzero(graph.feature[ROW] == 1) > 1
-    assert np.flatnonzero(graph.paint[ROW] == graph.paint[ROW].max()).tolist() == [column(view, CENTRE)]
+    view, paint_map = seen(painted_road().line(CENTRE, brightness=80))
+    assert np.count_nonzero(paint_map.feature[ROW] == 1) > 1
+    assert np.flatnonzero(paint_map.paint[ROW] == paint_map.paint[ROW].max()).tolist() == [
+        column(view, CENTRE)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -62,13 +80,13 @@ def test_paint_has_its_peak_where_the_feature_is_flat(painted_road):
     ids=["blank", "kerb", "dark line", "bright lane"],
 )
 def test_no_line_no_feature(painted_road, road):
-    _, graph = road(painted_road()).bands()
-    assert not graph.feature.any()
+    _, paint_map = seen(road(painted_road()))
+    assert not paint_map.feature.any()
 
 
 def test_it_takes_more_to_be_paint_on_rough_ground(painted_road):
-    smooth_view, smooth = painted_road().line(CENTRE, brightness=40).bands()
-    _, rough = painted_road().line(CENTRE, brightness=40).grass(-5, 5, roughness=20).bands()
+    smooth_view, smooth = seen(painted_road().line(CENTRE, brightness=40))
+    _, rough = seen(painted_road().line(CENTRE, brightness=40).grass(-5, 5, roughness=20))
     centre = column(smooth_view, CENTRE)
     assert smooth.feature[:, centre].min() == 1
     assert np.median(rough.contrast[:, centre]) < 0.3 * smooth.contrast[ROW, centre]
@@ -86,7 +104,7 @@ def test_texture_is_the_change_along_the_road(painted_road):
 def test_a_change_of_object_is_no_texture(painted_road):
     road = painted_road(ground=0)
     road.grey[::8] = 255
-    assert road_texture(road.view()).max() <= TEXTURE_MAX
+    assert road_texture(road.view()).max() <= 30.0  # grey levels
 
 
 def test_texture_beside_the_road_does_not_count(painted_road):
@@ -104,8 +122,8 @@ def test_contrast_is_that_against_the_less_different_side(painted_road):
     """Paint beside a kerb: 60 levels above the asphalt, but 20 above what lies on the right."""
     view = painted_road().line(CENTRE, brightness=60).view()
     view.image[:, view.n > CENTRE + 0.1] += np.uint8(40)
-    contrast = band_contrast(view, np.zeros(view.image.shape, np.float32))
-    assert contrast[ROW, column(view, CENTRE)] == pytest.approx(20 / SENSOR_NOISE)
+    contrast = band_contrast(view.image, np.zeros(view.image.shape, np.float32), 0.05)
+    assert contrast[ROW, column(view, CENTRE)] == pytest.approx(20 / 3.0)
 
 
 @pytest.mark.parametrize("feature", ["bands", "edges_and_grey"])
@@ -113,12 +131,12 @@ def test_cells_that_show_no_road_are_no_paint(painted_road, feature):
     road = painted_road().line(CENTRE)
     road.seen[:20] = False
     road.height[60:] = 0.5  # a wall, m
-    graph = build_paint_map(road.view(), PaintMapConfig(feature=feature))
-    seen = graph.seen.any(axis=1)
-    assert np.flatnonzero(seen).tolist() == list(range(20, 60))
-    assert graph.feature[seen].any()
-    assert not graph.feature[~seen].any()
-    assert np.all(graph.cost[~seen] == 1)
+    paint_map = paint_map_builder(PaintMapConfig(feature=feature)).build(road.view())
+    rows = paint_map.seen.any(axis=1)
+    assert np.flatnonzero(rows).tolist() == list(range(20, 60))
+    assert paint_map.feature[rows].any()
+    assert not paint_map.feature[~rows].any()
+    assert np.all(paint_map.cost[~rows] == 1)
 
 
 @pytest.fixture
@@ -127,8 +145,8 @@ def two_sights(camera, picture_of, right_of, disparity_of):
     surface = RoadSurface.plane(camera, 1.6, 0.02)
 
     def two_sights(left, right):
-        seen, by_right = (picture_of(surface, RoadAxis(), offsets) for offsets in (left, right))
-        view = birds_eye_view(seen, disparity_of(surface), surface, RoadAxis(), BirdsEyeConfig())
+        by_left, by_right = (picture_of(surface, RoadAxis(), offsets) for offsets in (left, right))
+        view = birds_eye_view(by_left, disparity_of(surface), surface, RoadAxis(), BirdsEyeConfig())
         return view, right_of(by_right, surface)
 
     return two_sights
@@ -137,7 +155,7 @@ def two_sights(camera, picture_of, right_of, disparity_of):
 def test_a_band_counts_by_the_camera_that_shows_it_better(two_sights):
     """Glare hides one line from the left camera, another one from the right camera."""
     view, right = two_sights(left=(-1.825, 0.525), right=(0.525, 1.775))
-    alone, both = (build_paint_map(view, PaintMapConfig(), image) for image in (None, right))
+    alone, both = (BANDS.build(view, image) for image in (None, right))
     found = [n for n in (-1.825, 0.525, 1.775) if both.feature[ROW, column(view, n)] == 1]
     assert found == [-1.825, 0.525, 1.775]
     assert alone.feature[ROW, column(view, 1.775)] == 0
@@ -150,7 +168,7 @@ def test_a_band_counts_by_the_camera_that_shows_it_better(two_sights):
 def test_where_the_right_camera_does_not_see_the_ground_the_left_image_counts(two_sights):
     view, right = two_sights(left=(-1.825,), right=())
     right[:] = np.random.default_rng(0).integers(0, 255, right.shape)
-    alone, both = (build_paint_map(view, PaintMapConfig(), image) for image in (None, right))
+    alone, both = (BANDS.build(view, image) for image in (None, right))
     hidden = view.seen & ~right_view(right, view).seen
     assert np.count_nonzero(hidden) > 50
     np.testing.assert_array_equal(both.contrast[hidden], alone.contrast[hidden])
@@ -164,8 +182,8 @@ def test_a_line_lies_where_the_left_image_shows_it(two_sights, apart, share):
     faint = ASPHALT + share * (view.image.astype(float) - ASPHALT)
     view = replace(view, image=np.rint(faint).astype(np.uint8))
     rows = np.flatnonzero(view.seen[:, column(view, 0.525)])[:80]
-    graph = build_paint_map(view, PaintMapConfig(), right)
-    n, weight = view.paint_centres(graph, rows, np.full(len(rows), float(column(view, 0.525))))
+    paint = PaintProfile(view, BANDS.build(view, right))
+    n, weight = paint.centres(rows, np.full(len(rows), float(column(view, 0.525))))
     assert weight.min() > 0.5
     assert np.median(n) == pytest.approx(0.525, abs=0.01)
 
@@ -173,14 +191,14 @@ def test_a_line_lies_where_the_left_image_shows_it(two_sights, apart, share):
 @pytest.mark.parametrize("weight", [0.0, 0.6, 1.0])  # 0.6: w_e of the paper
 def test_the_papers_feature_is_edges_and_grey_by_their_weights(painted_road, weight):
     view = painted_road().line(CENTRE, 0.35).view()
-    graph = edge_graph(view, replace(EDGES, edge_weight=weight))
+    paint_map = EdgesPaintMap(replace(EDGES, edge_weight=weight)).build(view)
     edges = cv2.Canny(view.image, 50, 150)[ROW] > 0
     paint = np.abs(view.n - CENTRE) < 0.17
     assert np.count_nonzero(edges) == 2
     assert set(view.image[ROW, paint]) == {170}
     expected = weight * edges + (1 - weight) * paint
-    np.testing.assert_allclose(graph.feature[ROW], expected, atol=1e-6)
-    np.testing.assert_allclose(graph.cost[ROW], 1 - expected, atol=1e-6)
+    np.testing.assert_allclose(paint_map.feature[ROW], expected, atol=1e-6)
+    np.testing.assert_allclose(paint_map.cost[ROW], 1 - expected, atol=1e-6)
 
 
 def test_the_papers_weights_add_up_to_one():
@@ -188,26 +206,56 @@ def test_the_papers_weights_add_up_to_one():
     assert 1 - EDGES.edge_weight == pytest.approx(0.4)
 
 
-def test_paint_of_the_papers_graph_has_its_peak_between_the_edges(painted_road):
+def test_paint_of_the_papers_map_has_its_peak_between_the_edges(painted_road):
     view = painted_road().line(CENTRE, 0.15).view()
-    graph = build_paint_map(view, EDGES)
-    strip = graph.paint[ROW, np.abs(view.n - CENTRE) < 0.11]
+    paint_map = paint_map_builder(EDGES).build(view)
+    strip = paint_map.paint[ROW, np.abs(view.n - CENTRE) < 0.11]
     np.testing.assert_allclose(strip, strip[::-1], atol=1e-6)
-    assert graph.feature[ROW, column(view, CENTRE)] < graph.feature[ROW].max()  # the path runs on an edge
-    assert not graph.contrast.any()
-    assert not graph.texture.any()
+    assert (
+        paint_map.feature[ROW, column(view, CENTRE)] < paint_map.feature[ROW].max()
+    )  # the path runs on an edge
+    assert not paint_map.contrast.any()
+    assert not paint_map.texture.any()
 
 
-@pytest.mark.parametrize("seen", [True, False])
-def test_blank_and_unseen_views_have_no_feature(painted_road, seen):
+@pytest.mark.parametrize("is_seen", [True, False])
+def test_blank_and_unseen_views_have_no_feature(painted_road, is_seen):
     road = painted_road()
-    road.seen[:] = seen
-    graph = build_paint_map(road.view(), EDGES)
-    assert not graph.feature.any()
-    assert not graph.paint.any()
+    road.seen[:] = is_seen
+    paint_map = paint_map_builder(EDGES).build(road.view())
+    assert not paint_map.feature.any()
+    assert not paint_map.paint.any()
 
 
-def test_shifted_repeats_the_border():
-    array = np.array([[1, 2, 3, 4]])
-    assert shifted(array, 1).tolist() == [[2, 3, 4, 4]]
-    assert shifted(array, -2).tolist() == [[1, 1, 1, 2]]
+def test_contrast_at_the_border_of_the_view_is_as_if_it_went_on():
+    """The outermost cells are repeated: a line there has a flank on its inner side only."""
+    image = np.full((2, 30), 90, np.uint8)
+    contrast = band_contrast(image, np.zeros(image.shape, np.float32), 0.05)
+    assert contrast.shape == image.shape
+    assert not contrast.any()
+    image[0, :3] = 170
+    assert band_contrast(image, np.zeros(image.shape, np.float32), 0.05).max() == 0
+
+
+def test_contrast_by_hand():
+    """A band of three cells 60 levels bright; texture of 3 levels beside it doubles the unit of noise."""
+    image = np.full((1, 60), 90, np.uint8)
+    image[0, 29:32] = 150
+    smooth, rough = np.zeros(image.shape, np.float32), np.full(image.shape, 3.0, np.float32)
+    contrast = band_contrast(image, smooth, 0.05)[0]
+    assert contrast.argmax() == 30
+    assert contrast[30] == pytest.approx(60 / 3)
+    assert band_contrast(image, rough, 0.05)[0, 30] == pytest.approx(60 / 6)
+    rough[0, 30:] = 0  # on one side: each flank counts by the texture beside it
+    assert band_contrast(image, rough, 0.05)[0, 30] == pytest.approx(60 / 6)
+
+
+def test_the_configuration_names_the_feature():
+    assert isinstance(paint_map_builder(PaintMapConfig()), BandsPaintMap)
+    assert isinstance(paint_map_builder(EDGES), EdgesPaintMap)
+
+
+def test_a_cell_costs_one_less_its_feature():
+    feature = np.array([[0.0, 0.25, 1.0]], np.float32)
+    paint_map = PaintMap(feature, feature > -1, feature, feature, feature)
+    assert paint_map.cost.tolist() == [[1.0, 0.75, 0.0]]

@@ -8,30 +8,27 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.lanes import axis_refinement as turned_axis
-from lane_dp_ros.core.lanes import selection as lane_selection
-from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
-from lane_dp_ros.core.lanes.path_search import SLOPE_COST
+from lane_dp_ros.core.lanes.axis_refinement import AxisRefinement, AxisRefinementConfig
+from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
-from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
 
-SELECTION, LIMITS = LaneSelectionConfig(), VanishingPointConfig()
+SLOPE_COST, CURVATURE_MAX = 4.0, 0.05
+REFINEMENT = AxisRefinement(AxisRefinementConfig(), LaneSelectionConfig(), SLOPE_COST, CURVATURE_MAX)
 PAINT = LaneEvidence(
     paint_width=0.15,
     wide_band_ratio=0.4,
     height=0.0,
-    step=0.0,
+    kerb_step=0.0,
     slope=0.3,  # more than a line along the axis may have
     off_paint_fraction=0.02,
-    roughness=0.05,
+    texture=0.05,
     contrast=0.5,
     saturation_contrast=0.5,
     brightness=0.5,
-    run=10.0,
+    longest_segment=10.0,
     dashes=1,
 )
-PALE = lane_selection.KERB_CONTRAST - 0.1
-KERB = replace(PAINT, contrast=PALE, saturation_contrast=PALE, step=lane_selection.KERB_STEP + 0.05)
+KERB = replace(PAINT, contrast=0.3, saturation_contrast=0.3, kerb_step=0.17)
 STREAK = replace(PAINT, height=np.nan)
 ASKEW = np.tan(np.deg2rad(15))
 
@@ -41,8 +38,9 @@ def line(n, slope=ASKEW, bend=0.0, score=10.0, first=5.0, last=25.0):
     return LaneLine(np.arange(len(s)), s, n + slope * s + bend / 2 * s**2, bend, score)
 
 
-def turned(*candidates, axis=None):
-    return turned_axis.turned_axis(candidates, axis or RoadAxis(), SELECTION, LIMITS)
+def turned(*lines, axis=None, refinement=REFINEMENT):
+    """Return the axis by lines, each with its evidence."""
+    return refinement.refine([Candidate(*each) for each in lines], axis or RoadAxis())
 
 
 @pytest.mark.parametrize("heading", [-0.1, 0.0, 0.2])
@@ -63,7 +61,7 @@ def test_their_bend_is_added_to_the_curvature():
 def test_no_axis_bends_more_than_it_may(sign):
     candidate = line(-2, slope=sign * ASKEW, bend=sign * 0.04), PAINT
     found = turned(candidate, axis=RoadAxis(0, sign * 0.03))
-    assert found.curvature == sign * LIMITS.curvature_max
+    assert found.curvature == sign * 0.05
 
 
 @pytest.mark.parametrize("axis", [RoadAxis(0.26), RoadAxis(-0.26), RoadAxis(-0.3, 0.01), RoadAxis(0.2, 0.01)])
@@ -88,14 +86,14 @@ def test_what_may_be_no_paint_has_no_say(other):
 
 
 def test_weak_lines_have_no_say():
-    enough = turned_axis.WEIGHT_MIN - SLOPE_COST * ASKEW**2 * line(0).length
+    enough = 2.2 - 4.0 * ASKEW**2 * line(0).length
     assert turned((line(0, score=enough - 0.1), PAINT)) is None
     assert turned((line(0, score=enough + 0.1), PAINT)) is not None
 
 
 def test_what_the_slope_took_from_a_line_it_gets_back():
     """Askew, the line of less score has more paint: 10 m of it less 1.4 m, against 9 m."""
-    lost = SLOPE_COST * ASKEW**2 * line(0).length
+    lost = 4.0 * ASKEW**2 * line(0).length
     assert turned((line(-2, score=10 - lost), PAINT), (line(1.5, slope=0, score=9.0), PAINT)) is not None
 
 
@@ -106,16 +104,37 @@ def test_where_most_paint_lies_along_the_axis_it_stays():
 
 @pytest.mark.parametrize("slope", [-1, 1])
 def test_lines_a_little_oblique_turn_nothing(slope):
-    limit = turned_axis.ASKEW
-    assert turned((line(0, slope=slope * (limit - 0.005)), PAINT)) is None
-    assert turned((line(0, slope=slope * (limit + 0.005)), PAINT)) is not None
+    assert turned((line(0, slope=slope * 0.075), PAINT)) is None
+    assert turned((line(0, slope=slope * 0.085), PAINT)) is not None
 
 
 def test_a_line_that_leads_somewhere_else_does_not_turn_the_axis():
-    other = line(4, slope=ASKEW - turned_axis.TOLERANCE - 0.05, score=8.0)
+    other = line(4, slope=ASKEW - 0.20, score=8.0)
     found = turned((line(-2), PAINT), (line(1.5), PAINT), (other, PAINT))
     assert found.heading == pytest.approx(np.deg2rad(15), abs=1e-3)
 
 
 def test_without_lines_there_is_no_other_axis():
     assert turned() is None
+
+
+@pytest.mark.parametrize(
+    ("config", "turns"),
+    [
+        ({}, True),
+        ({"askew_min": 0.28}, False),
+        ({"score_min": 16.0}, False),
+    ],
+    ids=str,
+)
+def test_the_limits_are_those_of_the_configuration(config, turns):
+    refinement = AxisRefinement(
+        AxisRefinementConfig(**config), LaneSelectionConfig(), SLOPE_COST, CURVATURE_MAX
+    )
+    assert (turned((line(-2), PAINT), refinement=refinement) is not None) == turns
+
+
+def test_what_is_refused_for_its_slope_alone_has_a_say():
+    """Whatever the refusal that a candidate carries says: it is judged by its evidence, but for the slope."""
+    askew = Candidate(line(-2), PAINT, "path", "slope 0.30")
+    assert REFINEMENT.refine([askew], RoadAxis()).heading == pytest.approx(np.deg2rad(15), abs=1e-4)

@@ -1,13 +1,21 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The evidence for paint, on drawn roads whose numbers are known: its band, its run, what lies beside it."""
+"""The evidence for paint, on drawn roads whose numbers are known: its band, its segments, what is beside."""
 
+from dataclasses import asdict
+
+import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lane_dp_ros.core.lanes import evidence as lane_evidence
-from lane_dp_ros.core.lanes import selection as lane_selection
+from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.evidence import measure
+from lane_dp_ros.core.lanes.plane_sweep import LineHeights, PlaneSweepConfig
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
+from lane_dp_ros.core.types import StereoFrame
 
 CENTRE = 1.025  # m
 LIMITS = LaneSelectionConfig()
@@ -18,26 +26,26 @@ def test_the_width_of_paint_is_that_at_half_its_contrast(painted_road, evidence_
     assert evidence_of(painted_road().line(CENTRE, width)).paint_width == pytest.approx(width, abs=0.01)
 
 
-def test_a_narrow_line_has_a_small_breadth(painted_road, evidence_of):
+def test_a_narrow_line_has_a_small_wide_band_ratio(painted_road, evidence_of):
     """A band of nine columns with three of paint in it has a third of the paint's contrast."""
     assert evidence_of(painted_road().line(CENTRE, 0.15)).wide_band_ratio == pytest.approx(1 / 3, abs=0.01)
 
 
-def test_a_broad_band_is_too_wide_and_too_broad(painted_road, evidence_of):
+def test_a_broad_band_is_too_wide_and_its_ratio_too_large(painted_road, evidence_of):
     found = evidence_of(painted_road().line(CENTRE, 0.5))
     assert found.paint_width > LIMITS.paint_width_max
-    assert found.wide_band_ratio > lane_selection.WIDE_BAND_RATIO_MAX
+    assert found.wide_band_ratio > LIMITS.wide_band_ratio_max
 
 
 def test_a_step_is_no_band(painted_road, evidence_of):
     found = evidence_of(painted_road().step(CENTRE))
     assert found.paint_width > LIMITS.paint_width_max
-    assert found.run == 0
+    assert found.longest_segment == 0
 
 
 def test_a_dark_line_is_darker_than_the_road(painted_road, evidence_of):
     found = evidence_of(painted_road().line(CENTRE, brightness=-60))
-    assert found.run == 0
+    assert found.longest_segment == 0
     assert found.brightness < 0
     assert found.contrast < LIMITS.contrast_min
 
@@ -87,21 +95,21 @@ def test_blank_road_has_no_dashes(painted_road, evidence_of):
     assert evidence_of(painted_road()).dashes == 0
 
 
-def test_an_arrow_is_a_short_run(painted_road, evidence_of):
+def test_an_arrow_is_a_short_segment(painted_road, evidence_of):
     found = evidence_of(painted_road().line(CENTRE, first=10, last=11.3))
-    assert found.run == pytest.approx(1.25)  # five rows
-    assert found.run < 1.5
+    assert found.longest_segment == pytest.approx(1.25)  # five rows
+    assert found.longest_segment < 1.5
     assert found.paint_width == pytest.approx(0.15, abs=0.01)  # what was not painted does not blur it
 
 
-@pytest.mark.parametrize(("gap", "run"), [(0.75, 20.0), (2.0, 1.0)])
-def test_short_gaps_are_bridged_and_long_ones_are_not(painted_road, evidence_of, gap, run):
+@pytest.mark.parametrize(("gap", "segment"), [(0.75, 20.0), (2.0, 1.0)])
+def test_short_gaps_are_bridged_and_long_ones_are_not(painted_road, evidence_of, gap, segment):
     road = painted_road().line(CENTRE, first=4, dash=(1.0, gap))
-    assert evidence_of(road).run == pytest.approx(run, abs=0.25)
+    assert evidence_of(road).longest_segment == pytest.approx(segment, abs=0.25)
 
 
-def test_blank_road_has_no_run_of_paint(painted_road, evidence_of):
-    assert evidence_of(painted_road()).run == 0
+def test_blank_road_has_no_segment_of_paint(painted_road, evidence_of):
+    assert evidence_of(painted_road()).longest_segment == 0
 
 
 def test_slope_is_the_steepest_lateral_over_forward(painted_road, evidence_of):
@@ -113,7 +121,7 @@ def test_slope_is_the_steepest_lateral_over_forward(painted_road, evidence_of):
 
 
 @pytest.mark.parametrize(("aside", "off_paint_fraction"), [(0.25, 0.25), (0.05, 0.0), (0.6, 0.0)], ids=str)
-def test_astray_is_the_share_of_the_paint_that_a_line_passes_beside(
+def test_the_off_paint_fraction_is_the_share_of_the_paint_that_a_line_passes_beside(
     painted_road, evidence_of, aside, off_paint_fraction
 ):
     """The farthest 5 m of 20 lie aside; paint that is too far off is none of the line's."""
@@ -121,23 +129,110 @@ def test_astray_is_the_share_of_the_paint_that_a_line_passes_beside(
     assert evidence_of(road).off_paint_fraction == pytest.approx(off_paint_fraction, abs=0.02)
 
 
-def test_where_there_is_no_paint_no_line_is_astray(painted_road, evidence_of):
+def test_where_there_is_no_paint_no_line_passes_beside_it(painted_road, evidence_of):
     assert evidence_of(painted_road()).off_paint_fraction == 0
 
 
-def test_roughness_is_texture_over_brightness_on_the_smoother_side(painted_road, evidence_of):
+def test_texture_is_that_over_brightness_on_the_smoother_side(painted_road, evidence_of):
     """Stripes of 1 m, 10 levels up or down: over 1 m grey changes by 20 levels, texture is 20 / sqrt(2)."""
     stripes = np.where(np.arange(80) // 4 % 2, 10, -10)[:, None]
     everywhere = painted_road(ground=50).line(CENTRE)
     everywhere.grey += stripes
-    roughness = evidence_of(everywhere).roughness
-    assert 14.1 / (60 + 10) < roughness < 14.2 / (40 + 10)  # on the bright stripes and on the dark ones
-    assert roughness > LIMITS.texture_max
+    texture = evidence_of(everywhere).texture
+    assert 14.1 / (60 + 10) < texture < 14.2 / (40 + 10)  # on the bright stripes and on the dark ones
+    assert texture > LIMITS.texture_max
     verge = painted_road(ground=50).line(CENTRE)
     verge.grey += stripes * (verge.n > 1.5)
-    assert evidence_of(verge).roughness == 0
+    assert evidence_of(verge).texture == 0
 
 
 def test_lines_at_the_border_of_the_view_are_looked_at_too(painted_road, evidence_of):
     found = evidence_of(painted_road().line(4.975), 4.975)
-    assert np.isfinite([found.paint_width, found.wide_band_ratio, found.brightness, found.roughness]).all()
+    assert np.isfinite([found.paint_width, found.wide_band_ratio, found.brightness, found.texture]).all()
+
+
+def line_along(view, n, slope=0.0, first=0, count=80):
+    """Return the line from n [m] on, over `count` rows, without the `first` nearest ones."""
+    rows = np.arange(len(view.s))[::-1][first : first + count]
+    s = view.s[rows]
+    return LaneLine(rows, s, n + slope * (s - 4), bend=0.0, score=10.0)
+
+
+@pytest.fixture(scope="module")
+def town(painted_road):
+    """A road with a solid and a dashed line, a crack, a light patch, grass, and a part that is not seen."""
+    road = painted_road().line(-1.725).line(1.725, dash=(3.0, 3.0), width=0.25).line(0.4, brightness=-40)
+    road = road.line(3.0, width=0.9, first=8, last=12).grass(2.5, 5, roughness=15).grass(-5, 2.5, 3, seed=1)
+    road.seen[:20, :60] = False
+    return road.bands()
+
+
+LINES = st.builds(
+    lambda n, slope, first, count: (n, slope, first, count),
+    st.floats(-5.2, 5.2),
+    st.floats(-0.1, 0.1),
+    st.integers(0, 70),
+    st.integers(4, 80),
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(courses=st.lists(LINES, min_size=1, max_size=5))
+def test_many_lines_at_once_have_the_evidence_that_each_has_by_itself(town, courses):
+    lines = [line_along(town.view, *course) for course in courses]
+    mono = StereoFrame(town.view.image)
+    together = measure(lines, town, mono, PlaneSweepConfig(), lambda *_: False)
+    assert len(together) == len(lines)
+    for line, found in zip(lines, together, strict=True):
+        (alone,) = measure([line], town, mono, PlaneSweepConfig(), lambda *_: False)
+        assert asdict(found) == pytest.approx(asdict(alone), abs=1e-8, nan_ok=True)
+
+
+def test_of_no_lines_there_is_no_evidence(town):
+    assert measure([], town, StereoFrame(town.view.image), PlaneSweepConfig(), lambda *_: True) == []
+
+
+def test_heights_are_measured_of_the_lines_alone_that_need_them(town, monkeypatch):
+    """They are asked for once, with all other evidence at hand."""
+    lines = [line_along(town.view, n) for n in (-1.725, 0.4, 1.725)]
+    asked, swept = [], []
+
+    def needs(line, evidence):
+        asked.append((line, evidence))
+        return evidence.contrast > 0
+
+    def heights(some, *_):
+        swept.extend(some)
+        return [LineHeights(0.01 * i, 0.0, 0.02) for i, _ in enumerate(some)]
+
+    monkeypatch.setattr(lane_evidence, "line_heights", heights)
+    found = measure(lines, town, StereoFrame(town.view.image), PlaneSweepConfig(), needs)
+    assert [line for line, _ in asked] == lines
+    assert all(np.isnan(evidence.height) and evidence.kerb_step == 0 for _, evidence in asked)
+    assert swept == [lines[0], lines[2]]
+    assert [each.height for each in found] == pytest.approx([-0.02, np.nan, 0.01], nan_ok=True)
+    assert [each.kerb_step for each in found] == pytest.approx([0.0, 0.0, 0.01])
+
+
+@settings(deadline=None)
+@given(painted=st.lists(st.booleans(), min_size=4, max_size=80))
+def test_the_longest_segment_is_that_of_a_morphological_closing(painted):
+    """Gaps of up to 1 m, five rows, are bridged."""
+    painted = np.array(painted)
+    closed = cv2.morphologyEx(painted[:, None].astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 1), np.uint8))
+    expected = np.diff(lane_evidence.runs_of(closed.ravel() > 0)).max(initial=0) * 0.25
+    runs = lane_evidence.runs_of(painted)
+    assert lane_evidence._longest_segment(runs, len(painted), 0.25) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("count", [40, 450])
+def test_the_rows_of_all_lines_may_be_more_than_opencv_takes_at_once(painted_road, count):
+    """450 lines of 80 rows each are 36,000."""
+    paint = painted_road().line(CENTRE).bands()
+    lines = [line_along(paint.view, CENTRE)] * count
+    mono = StereoFrame(paint.view.image)
+    first, *others = measure(lines, paint, mono, PlaneSweepConfig(), lambda *_: False)
+    assert len(others) == count - 1
+    for other in (others[0], others[-1]):
+        assert other.paint_width == pytest.approx(first.paint_width)
+        assert other.contrast == pytest.approx(first.contrast, abs=1e-6)

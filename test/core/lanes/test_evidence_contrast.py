@@ -22,7 +22,7 @@ def test_contrast_is_that_over_the_road_on_both_sides(painted_road, evidence_of)
     [(90, 80, 80 / 100, 80 / 175), (200, 40, 40 / 210, 40 / 65), (20, 6, 6 / 30, 6 / 245)],
     ids=["day", "glare", "night"],
 )
-def test_the_headroom_is_that_up_to_white(
+def test_saturation_contrast_is_the_share_of_what_is_left_up_to_white(
     painted_road, evidence_of, ground, paint, contrast, saturation_contrast
 ):
     """In glare paint takes much of it, however little contrast it has; by night the other way round."""
@@ -46,7 +46,7 @@ def test_road_between_two_cracks_has_no_contrast(painted_road, evidence_of):
         road.line(crack, width=0.1, brightness=-50)
     found = evidence_of(road)
     assert 0.09 <= found.paint_width <= LIMITS.paint_width_max  # nothing else tells it
-    assert found.run > 1.5
+    assert found.longest_segment > 1.5
     assert found.contrast < LIMITS.contrast_min
 
 

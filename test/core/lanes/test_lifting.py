@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
 from lane_dp_ros.core.lanes.lifting import to_lanes
 from lane_dp_ros.core.types import ego_roles
 
@@ -22,9 +22,10 @@ def evidence(paint_width=0.15):
     return LaneEvidence(**{**rest, "paint_width": paint_width})
 
 
-def line_at(view, n, score=10.0, bend=0.0):
+def candidate_at(view, n, score=10.0, bend=0.0, paint_width=0.15):
     rows = np.arange(len(view.s))[::-1]
-    return LaneLine(rows, view.s[rows], np.full(len(rows), float(n)), bend, score)
+    line = LaneLine(rows, view.s[rows], np.full(len(rows), float(n)), bend, score)
+    return Candidate(line, evidence(paint_width))
 
 
 @pytest.mark.parametrize(
@@ -46,8 +47,8 @@ def test_the_nearest_line_on_each_side_is_an_ego_line(offsets, roles):
 
 def test_lanes_come_from_left_to_right_with_their_own_evidence(painted_road):
     view = painted_road().view()
-    lines = [line_at(view, n) for n in (1.75, -4.5, -1.75)]
-    lanes = to_lanes(lines, [evidence(width) for width in (0.3, 0.1, 0.2)], view)
+    placed = [(1.75, 0.3), (-4.5, 0.1), (-1.75, 0.2)]
+    lanes = to_lanes([candidate_at(view, n, paint_width=width) for n, width in placed], view)
     assert [lane.lateral_offset for lane in lanes] == [-4.5, -1.75, 1.75]
     assert [lane.role for lane in lanes] == ["other", "ego_left", "ego_right"]
     assert [lane.paint_width for lane in lanes] == [0.1, 0.2, 0.3]
@@ -55,14 +56,14 @@ def test_lanes_come_from_left_to_right_with_their_own_evidence(painted_road):
 
 
 def test_no_lines_no_lanes(painted_road):
-    assert to_lanes([], [], painted_road().view()) == ()
+    assert to_lanes([], painted_road().view()) == ()
 
 
 @pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
 @pytest.mark.parametrize("n", [-4.9, 0.0, 4.9])
 def test_points_go_from_near_to_far_in_steps_of_at_most_half_a_metre(painted_road, axis, n):
     view = painted_road(axis=axis).view()
-    points = to_lanes([line_at(view, n)], [evidence()], view)[0].points
+    points = to_lanes([candidate_at(view, n)], view)[0].points
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert steps.max() <= 0.5
     assert np.all(np.diff(points[:, 2]) > 0)
@@ -78,8 +79,8 @@ def test_points_go_from_near_to_far_in_steps_of_at_most_half_a_metre(painted_roa
 def test_projected_points_fall_on_the_drawn_paint(painted_road, axis):
     road = painted_road(axis=axis).line(1.725)
     view = road.view()
-    lane = to_lanes([line_at(view, 1.725)], [evidence()], view)[0]
-    pixels = view.surface.camera.project(lane.points)
+    lane = to_lanes([candidate_at(view, 1.725)], view)[0]
+    pixels = view.road_surface.camera.project(lane.points)
     for pixel in pixels:
         nearest = np.argmin((view.map_u - pixel[0]) ** 2 + (view.map_v - pixel[1]) ** 2)
         assert view.image.flat[nearest] == 170  # paint on asphalt
@@ -88,22 +89,19 @@ def test_projected_points_fall_on_the_drawn_paint(painted_road, axis):
 def test_a_short_line_has_two_points_at_least(painted_road):
     view = painted_road().view()
     line = LaneLine(np.array([79, 78]), view.s[[79, 78]], np.zeros(2), 0.0, 1.0)
-    assert len(to_lanes([line], [evidence()], view)[0].points) == 2
+    assert len(to_lanes([Candidate(line, evidence())], view)[0].points) == 2
 
 
 @pytest.mark.parametrize(("score", "confidence"), [(2.0, 0.8772), (10.0, 0.9448), (25.0, 0.9877)])
 def test_confidence_grows_with_paint_up_to_one(painted_road, score, confidence):
     view = painted_road().view()
-    assert to_lanes([line_at(view, 0, score)], [evidence()], view)[0].confidence == pytest.approx(
-        confidence, abs=1e-4
-    )
+    assert to_lanes([candidate_at(view, 0, score)], view)[0].confidence == pytest.approx(confidence, abs=1e-4)
 
 
 def test_curvature_is_that_of_the_concentric_arc_and_the_lines_own(painted_road):
     """The axis has a radius of 20 m to the right: 4 m farther right the radius is 16 m."""
     view = painted_road(axis=RoadAxis(0.0, 0.05)).view()
-    lane = to_lanes([line_at(view, 4.0, bend=0.01)], [evidence()], view)[0]
+    lane = to_lanes([candidate_at(view, 4.0, bend=0.01)], view)[0]
     assert lane.curvature == pytest.approx(1 / 16 + 0.01)
-    assert (
-        to_lanes([line_at(painted_road().view(), 4.0)], [evidence()], painted_road().view())[0].curvature == 0
-    )
+    straight = painted_road().view()
+    assert to_lanes([candidate_at(straight, 4.0)], straight)[0].curvature == 0

@@ -10,24 +10,26 @@ import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
-from lane_dp_ros.core.lanes.mono_fallback import DOUBTED, trusted, without_heights
-from lane_dp_ros.core.types import Lane
+from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.mono_fallback import MonoFallbackConfig, going_on, without_heights
+from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
 from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
 from lane_dp_ros.scenes.road import SOLID, UNPAINTED
 
+CONFIG = MonoFallbackConfig()
+DOUBTED = 0.5  # confidence
 PAINT = LaneEvidence(
     paint_width=0.15,
     wide_band_ratio=0.4,
     height=np.nan,  # as it is without a right picture
-    step=0.0,
+    kerb_step=0.0,
     slope=0.01,
     off_paint_fraction=0.02,
-    roughness=0.03,
+    texture=0.03,
     contrast=0.6,
     saturation_contrast=0.4,
     brightness=0.6,
-    run=20.0,
+    longest_segment=20.0,
     dashes=1,
 )
 
@@ -37,11 +39,12 @@ def line(n=1.5, score=15.0, start=6.0):
     return LaneLine(np.arange(len(s)), s, np.full(len(s), n), 0.0, score)
 
 
-def judged(lines, evidence):
+def judged(lines, evidence, config=CONFIG):
     """Return the confidences, in the order of the lines; each is 0.9 before."""
+    candidates = [Candidate(*each) for each in zip(lines, evidence, strict=True)]
     order = np.argsort([each.n[0] for each in lines])
     lanes = [Lane(np.zeros((2, 3)), 0.9, 0.15, "other", 0.0, float(lines[i].n[0])) for i in order]
-    found = without_heights(lanes, lines, evidence)
+    found = without_heights(lanes, candidates, config)
     return [found[list(order).index(i)].confidence for i in range(len(lines))]
 
 
@@ -56,7 +59,7 @@ def test_paint_is_not_doubted():
         {"paint_width": 0.3},
         {"wide_band_ratio": 0.0},
         {"brightness": 0.1},
-        {"roughness": 0.12},
+        {"texture": 0.12},
     ],
     ids=str,
 )
@@ -76,7 +79,8 @@ def test_a_rail_beside_the_border_line_is_doubted_but_the_next_lane_and_a_double
 
 def test_what_is_doubted_already_is_not_lifted():
     lane = Lane(np.zeros((2, 3)), 0.2, 0.15, "other", 0.0, 1.5)
-    (found,) = without_heights([lane], [line(1.5)], [replace(PAINT, wide_band_ratio=-1.0)])
+    candidate = Candidate(line(1.5), replace(PAINT, wide_band_ratio=-1.0))
+    (found,) = without_heights([lane], [candidate], CONFIG)
     assert found.confidence == 0.2
 
 
@@ -87,7 +91,7 @@ def lane_at(x, confidence, first=6.0, last=20.0):
 
 
 @pytest.mark.parametrize(
-    ("lane", "is_trusted"),
+    ("lane", "goes_on"),
     [
         (lane_at(5.0, 0.8), True),  # new, and not doubted
         (lane_at(5.0, DOUBTED), False),
@@ -97,15 +101,59 @@ def lane_at(x, confidence, first=6.0, last=20.0):
         (lane_at(1.75, DOUBTED, first=18.0, last=30.0), False),  # beyond its end
     ],
 )
-def test_of_doubted_lines_those_that_were_known_are_trusted(lane, is_trusted):
+def test_of_doubted_lines_those_that_go_on_with_a_known_one_are_kept(lane, goes_on):
     known = (lane_at(-1.75, 0.9), lane_at(1.75, 0.3))
-    assert trusted([lane], known) == ((lane,) if is_trusted else ())
+    assert going_on([lane], known, CONFIG) == ((lane,) if goes_on else ())
+
+
+def test_where_nothing_is_known_no_doubted_line_is_kept():
+    lanes = [lane_at(-1.75, 0.8), lane_at(1.75, DOUBTED)]
+    assert going_on(lanes, (), CONFIG) == (lanes[0],)
+
+
+AT_LIMITS = {
+    "paint_width_min": (0.12, {"paint_width": 0.11}),
+    "paint_width_max": (0.2, {"paint_width": 0.25}),
+    "wide_band_ratio_min": (0.5, {}),
+    "brightness_min": (0.7, {}),
+    "texture_max": (0.02, {}),
+    "start_max": (5.0, {}),
+    "score_min": (16.0, {}),
+}
+
+
+@pytest.mark.parametrize("name", AT_LIMITS, ids=str)
+def test_the_limits_are_those_of_the_configuration(name):
+    value, evidence = AT_LIMITS[name]
+    seen = [line(1.5)], [replace(PAINT, **evidence)]
+    assert judged(*seen) == [0.9]
+    assert judged(*seen, replace(CONFIG, **{name: value})) == [DOUBTED]
+
+
+@pytest.mark.parametrize(
+    ("limits", "confidence"),
+    [
+        ({}, DOUBTED),
+        ({"beside_max": 1.5}, 0.9),
+        ({"beside_min": 2.0}, 0.9),
+        ({"doubted_confidence": 0.3}, 0.3),
+    ],
+    ids=str,
+)
+def test_what_counts_as_beside_and_how_much_is_left_is_configured(limits, confidence):
+    config = replace(CONFIG, **limits)
+    assert judged([line(3.1), line(1.4)], [PAINT] * 2, config) == [confidence, 0.9]
+
+
+def left_alone(image, road, known=None):
+    """Return what is found in a left image alone, on the road that it shows."""
+    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    prior = Prior(lambda _: RoadEstimate(surface, "nominal"), lanes=known)
+    return LaneDetector(CAMERA).detect(StereoFrame(image), prior).lanes
 
 
 def sure(image, road):
-    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
-    found = LaneDetector(CAMERA).detect(image, None, surface).lanes
-    return [lane for lane in found if lane.confidence > DOUBTED]
+    return [lane for lane in left_alone(image, road) if lane.confidence > DOUBTED]
 
 
 def test_lines_of_a_rendered_road_are_sure_and_kerbs_are_not():
@@ -113,6 +161,17 @@ def test_lines_of_a_rendered_road_are_sure_and_kerbs_are_not():
     assert len(sure(render_pair(painted, 10.0, 3).left, painted)) == 2
     bare = Road(swing=0, lines=(UNPAINTED,) * 3)
     assert sure(render_pair(bare, 10.0, 5).left, bare) == []
+
+
+def test_the_detector_keeps_of_doubted_lines_those_that_go_on_with_known_ones():
+    """Kerbs look like paint; where nothing is followed over time they are told with little confidence."""
+    bare = Road(swing=0, lines=(UNPAINTED,) * 3, kerb=0.14, shoulder=0.3)
+    image = render_pair(bare, 10.0, 5).left
+    doubted = left_alone(image, bare)
+    assert doubted and all(lane.confidence <= DOUBTED for lane in doubted)
+    assert left_alone(image, bare, known=()) == ()
+    (kept,) = left_alone(image, bare, known=doubted[:1])
+    np.testing.assert_array_equal(kept.points, doubted[0].points)
 
 
 @pytest.mark.parametrize("seed", range(3))

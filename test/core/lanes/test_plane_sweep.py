@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.plane_sweep import FAR, HEIGHTS, LineHeights, line_heights
+from lane_dp_ros.core.lanes.plane_sweep import PLANES, LineHeights, PlaneSweepConfig, line_heights
 from lane_dp_ros.core.types import StereoFrame
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -20,21 +21,21 @@ SHAPE = (375, 1242)
 LINE = 1.5  # m right of the vehicle
 BORDER = 0.25  # m from the line; there its height ends
 CENTIMETRE = 0.01
+FAR = 18.0  # m; farther heights are not measured
+CONFIG = PlaneSweepConfig()
 
 
 @pytest.fixture(scope="module")
-def measured(camera):
-    """Return a function: the heights that a pair shows along x = `n` [m] of ground that is so high."""
+def grainy_pair(camera):
+    """Return a function: a pair that shows grainy ground, so high along x = `n` [m] and beside it."""
     surface = RoadSurface.plane(camera, 1.65, 0.02)
 
-    def measured(
+    def grainy_pair(
         line=0.0,
         left=0.0,
         right=0.0,
         *,
         n=LINE,
-        first=6.0,
-        last=20.0,
         grain=25.0,
         gain=1.0,
         grey=110,
@@ -56,11 +57,26 @@ def measured(camera):
             for image in (seen, 110 + gain * (other - 110))
         ]
         images[1][rng.random(SHAPE) < salt] = 255
-        nothing = np.full(SHAPE, np.nan, np.float32)
+        nothing = DisparityMap.unknown(SHAPE)
         view = birds_eye_view(images[0], nothing, surface, RoadAxis(), BirdsEyeConfig())
-        rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
-        followed = LaneLine(rows, view.s[rows], np.full(len(rows), n), bend=0.0, score=10.0)
-        return line_heights(followed, view, StereoFrame(*images, nothing, surface, surface))
+        return view, StereoFrame(*images)
+
+    return grainy_pair
+
+
+def line_along(view, n, first=6.0, last=20.0):
+    rows = np.flatnonzero((view.s >= first) & (view.s <= last))[::-1]
+    return LaneLine(rows, view.s[rows], np.full(len(rows), n), bend=0.0, score=10.0)
+
+
+@pytest.fixture(scope="module")
+def measured(grainy_pair):
+    """Return a function: the heights that such a pair shows along a line at `n` [m]."""
+
+    def measured(*heights, n=LINE, first=6.0, last=20.0, config=CONFIG, **pair):
+        view, frame = grainy_pair(*heights, n=n, **pair)
+        (found,) = line_heights([line_along(view, n, first, last)], view, frame, config)
+        return found
 
     return measured
 
@@ -94,7 +110,7 @@ def test_dead_pixels_change_nothing(measured):
 
 
 @pytest.mark.parametrize("height", [0.22, 0.23])
-def test_a_rail_as_high_as_the_last_height_is_not_unknown(measured, height):
+def test_a_rail_as_high_as_the_last_plane_is_not_unknown(measured, height):
     assert measured(line=height).line > 0.2
 
 
@@ -120,10 +136,55 @@ def test_ground_beyond_the_picture_is_not_known(measured):
     assert np.isnan(found.left)
 
 
+def as_array(found):
+    return np.array([[each.line, each.left, each.right] for each in found])
+
+
+PLACES = [(LINE, 6.0, 20.0), (-3.4, 6.0, 12.0), (LINE, 6.0, 8.0), (0.3, 19.0, 30.0), (-7.8, 6.0, 14.0)]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3, 4), (4, 3, 2, 1, 0), (2, 3), (1, 1, 2, 0)], ids=str)
+def test_many_lines_at_once_have_the_heights_that_each_has_by_itself(grainy_pair, order):
+    """Among them one that is too short, one too far off, and one that leaves the picture."""
+    view, frame = grainy_pair(0.06, 0.0, 0.10)
+    lines = [line_along(view, *PLACES[i]) for i in order]
+    together = as_array(line_heights(lines, view, frame, CONFIG))
+    alone = np.concatenate([as_array(line_heights([line], view, frame, CONFIG)) for line in lines])
+    np.testing.assert_allclose(together, alone, rtol=0, atol=1e-9)
+    assert np.isnan(together[order.index(2)]).all()
+    if 0 in order:
+        assert together[order.index(0)] == pytest.approx([0.06, 0.0, 0.10], abs=CENTIMETRE)
+
+
+def test_of_no_lines_there_are_no_heights(grainy_pair):
+    view, frame = grainy_pair()
+    assert line_heights([], view, frame, CONFIG) == []
+
+
+def test_of_the_left_image_alone_every_height_is_unknown(grainy_pair):
+    view, frame = grainy_pair()
+    found = line_heights([line_along(view, LINE)] * 2, view, StereoFrame(frame.left), CONFIG)
+    assert np.isnan(as_array(found)).all()
+
+
+def test_the_lines_may_be_more_than_opencv_takes_at_once(grainy_pair):
+    """17 planes of 48 rows are 816 a line, those of 41 lines more than 32,767."""
+    view, frame = grainy_pair(0.06, 0.0, 0.10)
+    found = as_array(line_heights([line_along(view, LINE)] * 41, view, frame, CONFIG))
+    np.testing.assert_allclose(found, [[0.06, 0.0, 0.10]] * 41, atol=CENTIMETRE)
+
+
+@pytest.mark.parametrize(("distinct", "known"), [(0.0, True), (0.3, True), (2.0, False)])
+def test_a_height_must_be_as_distinct_as_it_is_configured(measured, distinct, known):
+    """Faint grain, 3 grey levels, in noise of 1."""
+    found = measured(grain=3.0, config=PlaneSweepConfig(distinct=distinct))
+    assert np.isfinite([found.line, found.left, found.right]).all() == known
+
+
 def test_the_left_image_alone_tells_nothing(painted_road, evidence_of):
     found = evidence_of(painted_road().line(1.025))
     assert np.isnan(found.height)
-    assert found.step == 0
+    assert found.kerb_step == 0
 
 
 @pytest.mark.parametrize(
@@ -140,10 +201,10 @@ def test_the_left_image_alone_tells_nothing(painted_road, evidence_of):
 def test_height_is_above_the_ground_before_the_line_and_the_step_is_behind_it(
     painted_road, evidence_of, monkeypatch, n, ground, expected
 ):
-    monkeypatch.setattr(lane_evidence, "line_heights", lambda *_: LineHeights(0.03, *ground))
+    monkeypatch.setattr(lane_evidence, "line_heights", lambda *_: [LineHeights(0.03, *ground)])
     found = evidence_of(painted_road().line(n), course=n)
-    assert (found.height, found.step) == pytest.approx(expected)
+    assert (found.height, found.kerb_step) == pytest.approx(expected)
 
 
-def test_heights_reach_from_ditches_to_kerbs():
-    assert HEIGHTS[0] <= -0.1 < 0.2 <= HEIGHTS[-1]
+def test_the_planes_reach_from_ditches_to_kerbs():
+    assert PLANES[0] <= -0.1 < 0.2 <= PLANES[-1]

@@ -9,11 +9,11 @@ import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.road_geometry import surface_of
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.monitoring.calibration_monitor import CalibrationMonitor, Observation, lane_gaps
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
-from lane_dp_ros.core.geometry.road_geometry import surface_of
-from lane_dp_ros.core.types import Lane
+from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.scenes import CAMERA, Road, render_pair
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -166,8 +166,8 @@ def test_a_calibration_that_is_mended_is_no_longer_complained_of():
 
 
 @pytest.fixture(scope="module")
-def pair():
-    return render_pair(Road(swing=0), 20.0, 4)
+def pair(rendered):
+    return rendered(render_pair, Road(swing=0), 20.0, 4)
 
 
 @pytest.mark.parametrize(
@@ -184,7 +184,7 @@ def pair():
 )
 def test_a_rendered_road_seen_through_a_wrong_camera(pair, wrong, complaint):
     camera = replace(CAMERA, **wrong)
-    found = LaneDetector(camera).detect(pair.left, pair.right)
+    found = LaneDetector(camera).detect(StereoFrame(pair.left, pair.right))
     verdict = watch(Observation(0, found.road, found.lanes), nominal=RoadSurface.plane(camera, 1.65, 0.0))
     assert verdict.complaint.startswith(complaint)
     assert bool(verdict.complaint) == bool(complaint)

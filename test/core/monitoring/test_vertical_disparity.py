@@ -5,9 +5,13 @@
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
 from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -24,7 +28,8 @@ def pattern(shift=0.0, turn=0.0):
 
 def offset(right, disparity=0.0, left=None):
     left = pattern() if left is None else left
-    return vertical_disparity(left, right, np.full(SHAPE, disparity, np.float32), CAMERA)
+    everywhere = DisparityMap(SHAPE, 0, np.full(SHAPE, disparity, np.float32))
+    return vertical_disparity(left, right, everywhere, CAMERA)
 
 
 @pytest.mark.parametrize(("shift", "turn"), [(0.0, 0.0), (0.4, 0.0), (-0.3, 0.0), (0.0, 0.5), (0.2, -0.6)])
@@ -59,7 +64,7 @@ def offset_of(scene):
         turn[1, 2] += rows
         size = pair.right.shape[::-1]
         right = cv2.warpAffine(pair.right, turn, size, borderMode=cv2.BORDER_REPLICATE)
-        disparity = dense_disparity(pair.left, right, CAMERA, DisparityConfig())
+        disparity = dense_disparity(StereoFrame(pair.left, right), CAMERA, DisparityConfig())
         return vertical_disparity(pair.left, right, disparity, CAMERA)
 
     return offset_of
@@ -81,9 +86,11 @@ def test_a_rotated_camera_shows(offset_of, degrees):
     assert 0.7 < -offset_of(degrees=degrees).turn * np.sign(degrees) < 2.5
 
 
-def test_nothing_to_see_tells_nothing(awkward_image, awkward_disparity, awkward_camera):
-    disparity = np.full(awkward_image.shape, awkward_disparity, np.float32)
-    found = vertical_disparity(awkward_image, awkward_image, disparity, awkward_camera)
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_nothing_to_see_tells_nothing(awkward, data):
+    image, disparity, camera = data.draw(awkward)
+    found = vertical_disparity(image, image, disparity, camera)
     assert found is None or np.all(np.isfinite(found))
-    even = np.zeros_like(awkward_image)
-    assert vertical_disparity(even, even, disparity, awkward_camera) is None
+    even = np.zeros_like(image)
+    assert vertical_disparity(even, even, disparity, camera) is None

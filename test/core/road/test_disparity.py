@@ -14,6 +14,7 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import parameters
 from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -31,10 +32,15 @@ def shifted_pair(disparity, shape=(80, 320)):
     return texture[:, : shape[1]].copy(), texture[:, disparity : shape[1] + disparity].copy()
 
 
+def full_disparity(left, right, camera=LEVEL, config=CONFIG):
+    """Return the disparity (H, W) of every pixel."""
+    return dense_disparity(StereoFrame(left, right), camera, config).full
+
+
 @pytest.mark.parametrize("downscale", [1, 2, 3, 4])
 @pytest.mark.parametrize("disparity", [12, 24, 36])  # whole pixels at each scale: SGBM drifts between
 def test_a_shifted_picture_has_its_shift_for_disparity(disparity, downscale):
-    found = dense_disparity(*shifted_pair(disparity), LEVEL, replace(CONFIG, downscale=downscale))
+    found = full_disparity(*shifted_pair(disparity), config=replace(CONFIG, downscale=downscale))
     assert found.shape == (80, 320)
     assert found.dtype == np.float32
     inner = found[30:-10, 90:-10]
@@ -43,26 +49,26 @@ def test_a_shifted_picture_has_its_shift_for_disparity(disparity, downscale):
 
 
 def test_rows_above_the_horizon_are_not_matched():
-    found = dense_disparity(*shifted_pair(20), LEVEL, CONFIG)
+    found = full_disparity(*shifted_pair(20))
     assert np.isnan(found[:FIRST_ROW]).all()
     assert np.isfinite(found[FIRST_ROW]).any()
 
 
 def test_the_cameras_offset_is_taken_off():
-    found = dense_disparity(*shifted_pair(20), replace(LEVEL, disparity_offset=5.0), CONFIG)
+    found = full_disparity(*shifted_pair(20), replace(LEVEL, disparity_offset=5.0))
     assert np.nanmedian(found[30:-10, 90:-10]) == pytest.approx(15, abs=0.3)
 
 
 def test_what_lies_behind_infinity_is_not_found():
     left, right = shifted_pair(20)
-    found = dense_disparity(right, left, LEVEL, CONFIG)
+    found = full_disparity(right, left)
     assert not np.any(found < 0)
 
 
 def test_a_rendered_road_has_the_disparity_of_its_plane(scene):
     road, pair = scene
     plane = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
-    found = dense_disparity(pair.left, pair.right, CAMERA, DisparityConfig())
+    found = full_disparity(pair.left, pair.right, CAMERA, DisparityConfig())
     u, v = np.rint(CAMERA.project(np.concatenate(pair.lanes))).astype(int).T
     errors = np.abs(found[v, u] - plane.disparity(u, v))
     assert np.mean(np.isfinite(errors)) > 0.85  # the left border of the image has no partner
@@ -73,19 +79,35 @@ def test_a_rendered_road_has_the_disparity_of_its_plane(scene):
 @pytest.mark.parametrize("shape", [(1, 1), (40, 64), (2000, 60)])
 def test_images_too_small_to_match_have_no_disparity(shape):
     image = np.zeros(shape, np.uint8)
-    found = dense_disparity(image, image, LEVEL, CONFIG)
+    found = full_disparity(image, image)
     assert found.shape == shape
     assert np.isnan(found).all()
 
 
 def test_an_image_above_the_horizon_has_no_disparity():
     left, right = shifted_pair(20)
-    assert np.isnan(dense_disparity(left, right, replace(LEVEL, cy=1e9), CONFIG)).all()
+    assert np.isnan(full_disparity(left, right, replace(LEVEL, cy=1e9))).all()
 
 
-def test_awkward_images_and_cameras_give_a_picture(awkward_image, awkward_camera):
-    found = dense_disparity(awkward_image, awkward_image, awkward_camera, CONFIG)
-    assert found.shape == awkward_image.shape
+def test_without_a_right_image_nothing_is_known():
+    left, _ = shifted_pair(20)
+    found = dense_disparity(StereoFrame(left), LEVEL, CONFIG)
+    assert found.shape == (80, 320)
+    assert np.isnan(found.full).all()
+
+
+@pytest.mark.parametrize("downscale", [1, 2])
+def test_it_is_held_at_the_resolution_at_which_it_was_matched(downscale):
+    found = dense_disparity(StereoFrame(*shifted_pair(20)), LEVEL, replace(CONFIG, downscale=downscale))
+    assert found.first == FIRST_ROW
+    assert found.matched.shape == ((80 - FIRST_ROW) // downscale, 320 // downscale)
+
+
+@settings(max_examples=200)  # every pair of values
+@given(data=st.data())
+def test_awkward_images_and_cameras_give_a_picture(awkward, data):
+    image, _, camera = data.draw(awkward)
+    assert full_disparity(image, image, camera).shape == image.shape
 
 
 @pytest.mark.parametrize("name", parameters(CONFIG))
@@ -95,7 +117,7 @@ def test_every_parameter_works_at_its_limits(name, end):
     limit = int(getattr(parameters(CONFIG)[name], end))
     left = np.random.default_rng(0).integers(0, 256, (100, 1200)).astype(np.uint8)
     config = replace(CONFIG, **{"P1": 0, "P2": 16000, name: limit})
-    assert dense_disparity(left, left, replace(LEVEL, cy=0.0), config).shape == left.shape
+    assert full_disparity(left, left, replace(LEVEL, cy=0.0), config).shape == left.shape
 
 
 @settings(deadline=None, max_examples=100)
@@ -112,6 +134,6 @@ def test_no_size_of_image_is_too_awkward(shape, window, downscale, disparity_ran
         downscale=downscale,
     )
     left = np.random.default_rng(0).integers(0, 256, shape).astype(np.uint8)
-    found = dense_disparity(left, left, replace(LEVEL, cy=0.0), config)
+    found = full_disparity(left, left, replace(LEVEL, cy=0.0), config)
     assert found.shape == shape
     assert not np.any(found < 0)

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lane_dp_ros.core.geometry.road_geometry import geometry, surface_of
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
-from lane_dp_ros.core.geometry.road_geometry import geometry, surface_of
 from lane_dp_ros.scenes import CAMERA
 
 STEP = 100_000_000  # ns between frames
@@ -32,7 +32,8 @@ class Drive:
     def see(self, measured, frames=1, nominal=NOMINAL):
         """Return the last of the estimates."""
         for _ in range(frames):
-            estimate = self.filter.update(measured, nominal, self.stamp_ns)
+            estimate = self.filter.predict(nominal, self.stamp_ns)(measured)
+            self.filter.update(measured)
             self.stamp_ns += STEP
         return estimate
 
@@ -161,6 +162,23 @@ def test_another_calibration_forgets():
     estimate = drive.see(None, nominal=other)
     assert estimate.surface is other
     assert estimate.source == "nominal"
+
+
+def test_asking_the_gate_changes_nothing():
+    """Whatever it is asked, however often, and whether or not it was asked at all."""
+    asked, silent = Drive(), Drive()
+    for drive in (asked, silent):
+        drive.see(road(), frames=20)
+    gate = asked.filter.predict(NOMINAL, asked.stamp_ns)
+    silent.filter.predict(NOMINAL, silent.stamp_ns)
+    measured = [road(1.9), None, road(1.66), road(pitch=0.08), road(1.9)]
+    first = [gate(each) for each in measured]
+    assert [gate(each) for each in measured] == first
+    assert [each.source for each in first] == ["last", "last", "measured", "last", "last"]
+    for drive in (asked, silent):
+        drive.filter.update(road(1.66))
+        drive.stamp_ns += STEP
+    assert asked.see(None) == silent.see(None)
 
 
 def test_the_same_stamp_twice_is_no_jump_of_time():

@@ -13,7 +13,14 @@ from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.image import compressed_image_from_ros, image_from_ros
 from lane_dp_ros.tools.datasets.convert import convert
-from lane_dp_ros.tools.datasets.kitti import LAYOUTS, StereoSequence, load_pairs, read_odometry, read_raw, read_stereo
+from lane_dp_ros.tools.datasets.kitti import (
+    LAYOUTS,
+    StereoSequence,
+    load_pairs,
+    read_odometry,
+    read_raw,
+    read_stereo,
+)
 
 GRAY_LEFT = "700 0 20 0 0 700 10 0 0 0 1 0"
 GRAY_RIGHT = "700 0 20 -378 0 700 10 0 0 0 1 0"

@@ -22,12 +22,13 @@ def halved(painted_road):
     def halved(count=80, first=0.0, last=100.0, unseen=()):
         road = painted_road().line(lambda s: N + 0.3 * np.maximum(0, s - TURN), first=first, last=last)
         road.seen[np.isin(np.arange(len(road.s)), unseen)] = False
-        view, graph = road.bands()
+        paint = road.bands()
+        view = paint.view
         rows = np.arange(len(view.s))[::-1][:count]
         s = view.s[rows]
         bent = np.polyval(np.polyfit(s, N + 0.3 * np.maximum(0, s - TURN), 3), s)  # as far as a cubic can be
         line = LaneLine(rows, s, bent, bend=0.01, score=15.0)
-        return line, near_half(line, view, graph, BLANK_COST)
+        return line, near_half(line, paint, BLANK_COST)
 
     return halved
 

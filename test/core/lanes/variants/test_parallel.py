@@ -7,9 +7,9 @@ import pytest
 
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
-from lane_dp_ros.core.lanes.variants.parallel import best_stretches, parallel_lines
+from lane_dp_ros.core.lanes.variants.parallel import ParallelConfig, best_stretches, parallel_lines
 
-CONFIG = LaneSelectionConfig()
+CONFIG, SELECTION = ParallelConfig(), LaneSelectionConfig()
 FAINT = 4  # grey levels, as much as the noise
 
 
@@ -20,11 +20,11 @@ def line_at(view, course, score=10.0, first=0.0):
     return LaneLine(rows, s, n, 0.0, score)
 
 
-def look(road, *lines):
+def look(road, *lines, config=CONFIG, selection=SELECTION):
     """Look beside lines given by their courses, the first the strongest."""
-    view, graph = road.bands()
-    given = [line_at(view, course, score=10.0 - i) for i, course in enumerate(lines)]
-    return parallel_lines(given, view, graph, CONFIG)
+    paint = road.bands()
+    given = [line_at(paint.view, course, score=10.0 - i) for i, course in enumerate(lines)]
+    return parallel_lines(given, paint, config, selection)
 
 
 @pytest.mark.parametrize("given", [-1.725, 1.725], ids=["left", "right"])
@@ -34,7 +34,7 @@ def test_a_faint_line_is_found_on_the_other_side(painted_road, given):
     assert np.abs(found[0].n + given).max() < 0.05
     assert np.all(np.diff(found[0].s) > 0)
     assert found[0].length > 18  # of 20 m
-    assert found[0].score > CONFIG.score_min
+    assert found[0].score > 1.9  # m
 
 
 def test_a_parallel_line_has_the_shape_of_the_given_one(painted_road):
@@ -127,3 +127,29 @@ def test_best_stretches_by_hand():
     assert score.tolist() == [4, 0, 0, 3, 5]
     assert first[[0, 3, 4]].tolist() == [2, 1, 0]
     assert last[[0, 3, 4]].tolist() == [3, 3, 3]
+
+
+@pytest.mark.parametrize(
+    ("limits", "found"),
+    [
+        ({}, [1.7]),
+        ({"contrast_min": 2.0, "contrast_max": 4.0}, []),
+        ({"blank_cost": 1.0}, []),
+        ({"score_min": 20.0}, []),
+        ({"ego_max": 1.5}, []),
+    ],
+    ids=str,
+)
+def test_the_limits_are_those_of_the_configuration(painted_road, limits, found):
+    road = painted_road().line(-1.725).line(1.725, brightness=FAINT)
+    lines = look(road, -1.725, config=ParallelConfig(**limits))
+    assert [round(float(line.n[0]), 1) for line in lines] == found
+
+
+@pytest.mark.parametrize(
+    ("limits", "found"), [({"lane_width_max": 3.2}, 0), ({"lane_width_min": 3.6}, 0), ({}, 1)]
+)
+def test_a_lane_is_as_wide_as_the_selection_lets_it_be(painted_road, limits, found):
+    """The lines are 3.45 m apart."""
+    road = painted_road().line(-1.725).line(1.725, brightness=FAINT)
+    assert len(look(road, -1.725, selection=LaneSelectionConfig(**limits))) == found

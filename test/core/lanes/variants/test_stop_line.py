@@ -2,20 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lines that end at a stop line, on drawn junctions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.lanes import search as lane_search
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.variants.stop_line import JUNCTION, end_at_stop_line
+from lane_dp_ros.core.lanes.variants.stop_line import StopLineConfig, end_at_stop_line
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 N = 1.525  # m
 STOP = 9.0  # m ahead, where the stop line begins
+JUNCTION = 9.0  # m without paint behind it
 LENGTH = 40.0  # m
 BLANK_COST = 0.15
 WHITE = 70.0  # grey levels above the road
+CONFIG = StopLineConfig()
 
 
 @pytest.fixture
@@ -23,7 +26,14 @@ def junction(painted_road):
     """Return a function: a line up to a bar across the road, and from `beyond` on; what is left of it."""
 
     def junction(
-        beyond=STOP + JUNCTION + 1, *, across=(-6.0, 1.6), brightness=WHITE, depth=0.5, last=STOP, **more
+        beyond=STOP + JUNCTION + 1,
+        *,
+        across=(-6.0, 1.6),
+        brightness=WHITE,
+        depth=0.5,
+        last=STOP,
+        config=CONFIG,
+        **more,
     ):
         road = painted_road(length=LENGTH).line(N, brightness=WHITE, last=last)
         road.line(N, brightness=WHITE, first=beyond, last=more.get("until", 100.0))
@@ -36,10 +46,11 @@ def junction(painted_road):
             road.grey[:, road.n > N + 0.4] = more["verge"] + np.random.default_rng(0).normal(
                 0, 4, (len(road.s), np.count_nonzero(road.n > N + 0.4))
             )
-        view, graph = road.bands()
+        paint = road.bands()
+        view = paint.view
         rows = np.arange(len(view.s))[::-1]
         line = LaneLine(rows, view.s[rows], np.full(len(rows), N), bend=0.01, score=15.0)
-        return line, end_at_stop_line(line, view, graph, BLANK_COST)
+        return line, end_at_stop_line(line, paint, BLANK_COST, config)
 
     return junction
 
@@ -92,21 +103,18 @@ def test_no_line_is_left_with_too_few_rows_to_be_one(junction, last):
     assert same is line
 
 
-def test_the_search_ends_lines_at_stop_lines(monkeypatch, painted_road):
-    """Whatever is ended is judged as it was ended."""
-    asked = []
-
-    def ended(line, *_):
-        asked.append(line)
-        return LaneLine(line.rows[:20], line.s[:20], line.n[:20], line.bend, line.score)
-
-    assert lane_search.end_at_stop_line is end_at_stop_line
-    monkeypatch.setattr(lane_search, "end_at_stop_line", ended)
-    view, graph = painted_road(length=LENGTH).line(-N).line(N).bands()
-    monkeypatch.setattr(lane_search, "birds_eye_view", lambda *_: view)
-    monkeypatch.setattr(lane_search, "build_paint_map", lambda *_: graph)
-    picture = lane_search.StereoFrame(view.image, None, view.height, view.surface, view.ground)
-    config, rng = lane_search.DetectorConfig(), np.random.default_rng(0)
-    found = lane_search.search_lanes(picture, view.axis, config, rng, lane_search.Stopwatch())
-    assert len(asked) >= len(found.candidates) >= 2
-    assert {len(line.rows) for line, _ in found.candidates} == {20}
+@pytest.mark.parametrize(
+    ("limits", "drawn", "ends"),
+    [
+        ({"junction": 12.0}, {}, False),
+        ({"junction": 5.0}, {"beyond": STOP + 6}, True),
+        ({"bright": 0.9}, {"brightness": 0.7 * WHITE}, False),
+        ({"bright": 0.2}, {"brightness": 0.35 * WHITE}, True),
+    ],
+    ids=str,
+)
+def test_the_limits_are_those_of_the_configuration(junction, limits, drawn, ends):
+    line, same = junction(**drawn)
+    assert (same is line) == ends
+    line, ended = junction(**drawn, config=replace(CONFIG, **limits))
+    assert (ended is not line) == ends

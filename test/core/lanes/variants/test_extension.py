@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.path_search import PathSearchConfig
-from lane_dp_ros.core.lanes.variants.extension import DASH_MIN, GAP_MAX, extend_line
+from lane_dp_ros.core.lanes.variants.extension import ExtensionConfig, extend_line
 
 N = -1.725  # m
 ROW = 0.25  # m, a row of a drawn road
-BLANK_COST = PathSearchConfig().blank_cost
+BLANK_COST = 0.14
+CONFIG = ExtensionConfig()
 LENGTH = 36.0  # m, from 4 m to 40 m
 FIRST, LAST = 12.0, 16.0  # m; the piece that the search found
 
@@ -43,10 +43,10 @@ def piece(view, course, first=FIRST, last=LAST, score=3.4):
     return LaneLine(rows, s, course(s), 0.0, score)
 
 
-def extended(road, course, first=FIRST, last=LAST, score=3.4):
-    view, graph = road.bands()
-    line = piece(view, course, first, last, score)
-    return line, extend_line(line, view, graph, BLANK_COST)
+def extended(road, course, first=FIRST, last=LAST, score=3.4, config=CONFIG):
+    profile = road.bands()
+    line = piece(profile.view, course, first, last, score)
+    return line, extend_line(line, profile, BLANK_COST, config)
 
 
 def spans(line, first, last):
@@ -67,7 +67,7 @@ def test_a_line_goes_on_with_the_next_dash_at_both_ends(painted_road, course, ga
 @pytest.mark.parametrize("end", ["far", "near"])
 @pytest.mark.parametrize(("more", "bridged"), [(-ROW, True), (0.0, True), (ROW, False), (3.0, False)])
 def test_the_longest_gap_is_bridged_and_a_longer_one_is_not(painted_road, end, more, bridged):
-    gap = GAP_MAX + more
+    gap = 12.0 + more  # m
     near, far = (4.0, 8.0), (8.0 + gap, 12.0 + gap)
     road = paint(painted_road(length=LENGTH), straight, near, far)
     line, longer = extended(road, straight, *(near if end == "far" else far))
@@ -91,13 +91,13 @@ def test_a_bend_that_is_found_is_its_curvature(painted_road):
 
 
 def test_paint_that_does_not_pay_for_its_gap_takes_no_score(painted_road):
-    """1 m of paint behind 10 m without: 11 m cost 1.65 m of paint."""
+    """1 m of paint behind 10 m without: 11 m cost 1.54 m of paint."""
     line, longer = extended(paint(painted_road(length=LENGTH), straight, (FIRST, LAST), (26, 27)), straight)
     assert longer.s[-1] > 26
     assert longer.score == line.score
 
 
-@pytest.mark.parametrize(("length", "is_dash"), [(DASH_MIN, True), (DASH_MIN - ROW, False)])
+@pytest.mark.parametrize(("length", "is_dash"), [(0.5, True), (0.5 - ROW, False)])
 def test_a_spot_is_no_dash(painted_road, length, is_dash):
     road = paint(painted_road(length=LENGTH), straight, (FIRST, LAST), (20, 20 + length))
     line, longer = extended(road, straight)
@@ -157,10 +157,11 @@ def test_whatever_is_painted_a_longer_line_is_a_line(painted_road, dash, shape, 
         return shape[0] * (s - 20) + shape[1] * (s - 20) ** 2
 
     road = painted_road(length=LENGTH).line(course, dash=dash).grass(-5, 5, noise, seed)
-    view, graph = road.bands()
+    profile = road.bands()
+    view = profile.view
     rows = np.arange(len(view.s))[::-1][span[0] : sum(span)]
     line = LaneLine(rows, view.s[rows], course(view.s[rows]), 0.0, 2.0)
-    longer = extend_line(line, view, graph, BLANK_COST)
+    longer = extend_line(line, profile, BLANK_COST, CONFIG)
     assert longer.score >= line.score
     assert np.all(np.diff(longer.rows) == -1)
     assert set(line.rows) <= set(longer.rows) <= set(range(len(view.s)))
@@ -176,6 +177,15 @@ def test_paint_of_a_line_that_it_crosses_is_not_its_own(painted_road, slope):
     def streak(s):
         return N + slope * (s - 12)
 
-    view, graph = painted_road(length=LENGTH).line(N).line(streak, first=20).bands()
-    line = piece(view, streak, 20, 40, score=10.0)
-    assert extend_line(line, view, graph, BLANK_COST) is line
+    profile = painted_road(length=LENGTH).line(N).line(streak, first=20).bands()
+    line = piece(profile.view, streak, 20, 40, score=10.0)
+    assert extend_line(line, profile, BLANK_COST, CONFIG) is line
+    steep = ExtensionConfig(turn_max=0.2)
+    assert extend_line(line, profile, BLANK_COST, steep) is not line
+
+
+@pytest.mark.parametrize(("gap_max", "bridged"), [(3.75, False), (4.0, True)])
+def test_the_longest_gap_is_that_of_the_configuration(painted_road, gap_max, bridged):
+    road = paint(painted_road(length=LENGTH), straight, (FIRST, LAST), (LAST + 4, LAST + 8))
+    line, longer = extended(road, straight, config=ExtensionConfig(gap_max=gap_max))
+    assert (longer is not line) == bridged

@@ -4,18 +4,23 @@
 
 import numpy as np
 import pytest
-from lane_dp_ros.core.road.arc_vanishing_point import road_axis
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.road.arc_vote import arc_of_edges
 from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
-from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
+from lane_dp_ros.core.road.edge_pixels import EdgePixels, edge_pixels
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import CAMERA
 
 pytestmark = pytest.mark.filterwarnings("error")
 
-CONFIG = VanishingPointConfig()
+HEADING_MAX, CURVATURE_MAX = 0.5, 0.05  # rad, 1/m
 DEGREE = np.deg2rad(1)
+
+
+def voted(edges):
+    return arc_of_edges(edges, HEADING_MAX, CURVATURE_MAX)
 
 
 def edges_along(axis, offsets, s=None, turned=0.0):
@@ -25,11 +30,11 @@ def edges_along(axis, offsets, s=None, turned=0.0):
     x, z = axis.to_ground(s, n)
     unused = np.zeros_like(s)
     heading = axis.heading + axis.curvature * s + turned
-    return RoadEdges(unused, unused, unused, unused, x, z, heading, np.full_like(s, 0.1))
+    return EdgePixels(unused, unused, unused, unused, x, z, heading, np.full_like(s, 0.1))
 
 
 def together(*edges):
-    return RoadEdges(
+    return EdgePixels(
         *(np.concatenate(fields) for fields in zip(*(vars(e).values() for e in edges), strict=True))
     )
 
@@ -44,7 +49,7 @@ def drift(axis, truth):
 @pytest.mark.parametrize("heading", [-0.2, 0.0, 0.1])
 def test_the_axis_of_exact_edges(heading, curvature):
     truth = RoadAxis(heading, curvature)
-    axis = road_axis(edges_along(truth, (-1.8, 1.7)), CONFIG)
+    axis = voted(edges_along(truth, (-1.8, 1.7)))
     assert drift(axis, truth) < 0.35
     assert axis.heading == pytest.approx(heading, abs=3 * DEGREE)  # the prior straightens sharp bends and
     assert axis.curvature == pytest.approx(curvature, abs=0.0025)  # turns them: one makes up for the other
@@ -57,7 +62,7 @@ def test_the_axis_of_a_drawn_road(camera, picture_of, disparity_of, heading, cur
     road = RoadSurface.plane(camera, 1.6, 0.02)
     truth = RoadAxis(heading, curvature)
     picture = picture_of(road, truth, (-1.8, 1.7))
-    axis = road_axis(road_edges(picture, disparity_of(road), road), CONFIG)
+    axis = voted(edge_pixels(picture, disparity_of(road), road))
     assert drift(axis, truth) < 0.35
     assert axis.heading == pytest.approx(heading, abs=1.5 * DEGREE)
     assert axis.curvature == pytest.approx(curvature, abs=0.0025)
@@ -66,8 +71,8 @@ def test_the_axis_of_a_drawn_road(camera, picture_of, disparity_of, heading, cur
 def test_the_axis_of_a_rendered_road(scene):
     road, pair = scene
     surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
-    disparity = dense_disparity(pair.left, pair.right, CAMERA, DisparityConfig())
-    axis = road_axis(road_edges(pair.left, disparity, surface), CONFIG)
+    disparity = dense_disparity(StereoFrame(pair.left, pair.right), CAMERA, DisparityConfig())
+    axis = voted(edge_pixels(pair.left, disparity, surface))
     assert axis.heading == pytest.approx(0, abs=DEGREE)
     assert axis.curvature == pytest.approx(road.curvature, abs=0.003)
 
@@ -76,7 +81,7 @@ def test_one_long_line_beats_the_many_short_stripes_of_hatching():
     line = edges_along(RoadAxis(0.05), (-1.8,))
     stripes = edges_along(RoadAxis(-0.25), np.arange(-4, 7.0, 0.5), s=np.arange(10.0, 12.5, 0.1))
     assert stripes.length.sum() > 2 * line.length.sum()
-    axis = road_axis(together(line, stripes), CONFIG)
+    axis = voted(together(line, stripes))
     assert axis.heading == pytest.approx(0.05, abs=DEGREE)
 
 
@@ -84,8 +89,8 @@ def test_scattered_edges_do_not_turn_the_road():
     rng = np.random.default_rng(2)
     scattered = edges_along(RoadAxis(), (0.0,) * 3, turned=0)
     x, z = rng.uniform(-8, 8, scattered.x.size), rng.uniform(4, 30, scattered.x.size)
-    scattered = RoadEdges(*[x] * 4, x, z, rng.uniform(-1.5, 1.5, x.size), scattered.length)
-    axis = road_axis(together(edges_along(RoadAxis(0.1, -0.01), (-1.8, 1.7)), scattered), CONFIG)
+    scattered = EdgePixels(*[x] * 4, x, z, rng.uniform(-1.5, 1.5, x.size), scattered.length)
+    axis = voted(together(edges_along(RoadAxis(0.1, -0.01), (-1.8, 1.7)), scattered))
     assert axis.heading == pytest.approx(0.1, abs=DEGREE)
     assert axis.curvature == pytest.approx(-0.01, abs=0.003)
 
@@ -93,19 +98,27 @@ def test_scattered_edges_do_not_turn_the_road():
 @pytest.mark.parametrize("count", [0, 19])
 def test_too_few_edges_mean_straight_ahead(count):
     edges = edges_along(RoadAxis(0.2), (-1.8,), s=np.linspace(4, 30, count))
-    assert road_axis(edges, CONFIG) == RoadAxis()
+    assert voted(edges) == RoadAxis()
 
 
 def test_edges_that_no_axis_runs_along_mean_straight_ahead():
     across = edges_along(RoadAxis(), (0.0,), s=np.arange(4.0, 10.0, 0.1), turned=np.pi / 2)
-    assert road_axis(across, CONFIG) == RoadAxis()
+    assert voted(across) == RoadAxis()
 
 
 def test_edges_without_length_mean_straight_ahead():
     edges = edges_along(RoadAxis(0.2), (-1.8,))
-    weightless = RoadEdges(*list(vars(edges).values())[:-1], np.zeros_like(edges.length))
-    assert road_axis(weightless, CONFIG) == RoadAxis()
+    weightless = EdgePixels(*list(vars(edges).values())[:-1], np.zeros_like(edges.length))
+    assert voted(weightless) == RoadAxis()
 
 
 def test_edges_far_aside_give_an_axis():
-    assert np.isfinite(road_axis(edges_along(RoadAxis(0.1, 0.05), (-12.0, 12.0)), CONFIG).heading)
+    assert np.isfinite(voted(edges_along(RoadAxis(0.1, 0.05), (-12.0, 12.0))).heading)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_the_vote_is_bounded(sign):
+    """By 0.2 rad and 0.01 1/m, give or take the half cell about a peak."""
+    axis = arc_of_edges(edges_along(RoadAxis(sign * 0.35, sign * 0.03), (-1.8, 1.7)), 0.2, 0.01)
+    assert abs(axis.heading) <= 0.2 + 0.5 * DEGREE + 1e-9
+    assert abs(axis.curvature) <= 0.01 + 0.002 + 1e-9

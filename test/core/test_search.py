@@ -2,20 +2,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The search along one axis, on drawn pictures of a flat road with lines of known place."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from lane_dp_ros.core.lanes.search import LaneSearch, search_lanes
 
+from lane_dp_ros.core import search as lane_search
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.lanes.selection import OFF_PAINT_FRACTION_MAX
+from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.parameter import replaced
+from lane_dp_ros.core.search import LaneSearch, RoadView, SearchResult
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.types import StereoFrame
 
 STEPS = ["birds_eye", "paint_map", "path_search", "lane_model", "lane_selection"]
 BEND = RoadAxis(heading=-0.05, curvature=0.01)
+
+
+def searched(view, axis, config=None, watch=None):
+    search = LaneSearch(config or DetectorConfig())
+    return search.along(axis, view, np.random.default_rng(0), watch or Stopwatch())
 
 
 @pytest.fixture(scope="module")
@@ -26,11 +34,11 @@ def search(camera, disparity_of, picture_of, right_of):
     def search(offsets=(-1.8, 1.7), axis=BEND, road=BEND, watch=None, **values):
         picture = picture_of(surface, road, offsets)
         right = right_of(picture, surface)
-        everything = StereoFrame(picture, right, disparity_of(surface), surface, surface)
+        view = RoadView(StereoFrame(picture, right), disparity_of(surface), surface, surface)
         config = replaced(
             DetectorConfig(), {name.replace("__", "."): value for name, value in values.items()}
         )
-        return search_lanes(everything, axis, config, np.random.default_rng(0), watch or Stopwatch())
+        return searched(view, axis, config, watch)
 
     return search
 
@@ -47,15 +55,19 @@ def painted_surface(camera, disparity_of, picture_of):
             drawn = picture_of(surface, RoadAxis(), (n,)).astype(float) - blank
             picture += drawn / 110 * levels
         grey = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
-        everything = StereoFrame(grey, None, disparity_of(surface), surface, surface)
-        config = replaced(DetectorConfig(), {"lane_selection.contrast_min": 0.0})
-        return search_lanes(everything, RoadAxis(), config, np.random.default_rng(0), Stopwatch())
+        view = RoadView(StereoFrame(grey), disparity_of(surface), surface, surface)
+        return searched(view, RoadAxis(), replaced(DetectorConfig(), {"lane_selection.contrast_min": 0.0}))
 
     return painted_surface
 
 
-def offsets_of(found: LaneSearch) -> list[float]:
-    return sorted(float(np.median(line.n)) for line, _ in found.lanes)
+def offsets_of(found: SearchResult) -> list[float]:
+    return sorted(float(np.median(lane.line.n)) for lane in found.lanes)
+
+
+def of_paths(found: SearchResult) -> list[LaneLine]:
+    """Return the lines of all paths, lanes or not."""
+    return [candidate.line for candidate in found.candidates if candidate.variant == "path"]
 
 
 def test_a_line_that_only_one_camera_shows_well_is_followed(camera, picture_of, right_of, disparity_of):
@@ -67,9 +79,10 @@ def test_a_line_that_only_one_camera_shows_well_is_followed(camera, picture_of, 
     left[(x > 0.9) & (z > 14)] = 255
     ends = []
     for image in (None, right):
-        picture = StereoFrame(left, image, disparity_of(surface), surface, surface)
-        found = search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
-        ends.append([float(line.s[-1]) for line, _ in found.lanes if np.median(line.n) > 0])
+        found = searched(
+            RoadView(StereoFrame(left, image), disparity_of(surface), surface, surface), RoadAxis()
+        )
+        ends.append([float(lane.line.s[-1]) for lane in found.lanes if np.median(lane.line.n) > 0])
     assert ends[0] == [] or ends[0][0] < 16
     assert ends[1][0] > 24
 
@@ -77,24 +90,25 @@ def test_a_line_that_only_one_camera_shows_well_is_followed(camera, picture_of, 
 def test_lines_along_the_axis_are_found_where_they_are(search):
     found = search()
     assert offsets_of(found) == pytest.approx([-1.8, 1.7], abs=0.01)
-    assert found.view.axis is BEND
-    assert found.graph.feature.shape == found.view.image.shape
-    assert len(found.paths) >= len(found.candidates) >= 2
+    assert found.paint.view.axis is BEND
+    assert found.paint.paint_map.feature.shape == found.paint.view.image.shape
+    assert len(found.paths) >= len(of_paths(found)) >= 2
 
 
 def test_the_lanes_are_candidates_with_their_own_evidence(search):
     found = search()
-    candidates = {id(line): evidence for line, evidence in found.candidates}
-    assert all(candidates[id(line)] is evidence for line, evidence in found.lanes)
-    for line, evidence in found.lanes:
-        assert evidence.paint_width == pytest.approx(0.15, abs=0.04)
-        assert evidence.height == pytest.approx(0, abs=0.01)
-        assert evidence.run <= line.length + 0.25
+    assert len(found.lanes) == 2
+    assert found.candidates[:2] == found.lanes  # they come first
+    for lane in found.lanes:
+        assert lane.refusal == ""
+        assert lane.evidence.paint_width == pytest.approx(0.15, abs=0.04)
+        assert lane.evidence.height == pytest.approx(0, abs=0.01)
+        assert lane.evidence.longest_segment <= lane.line.length + 0.25
 
 
 def test_the_score_is_the_paint_of_all_lanes(search):
     found = search()
-    assert found.score == sum(line.score for line, _ in found.lanes) > 20  # m
+    assert found.score == sum(lane.line.score for lane in found.lanes) > 20  # m
 
 
 def test_the_axis_of_the_road_scores_higher_than_another_one(search):
@@ -119,28 +133,33 @@ def test_the_time_of_each_step_is_taken_and_added_up(search):
 
 def test_without_evidence_every_line_of_the_model_is_a_lane(search):
     found = search(offsets=(-1.8, -0.9, 1.7), lane_selection__evidence=False)
-    assert found.lanes is found.candidates
+    assert found.lanes == found.candidates
     assert len(found.lanes) >= 3
+    assert {lane.variant for lane in found.lanes} == {"path"}
 
 
 def test_what_has_no_evidence_of_paint_is_a_candidate_only(search):
     found = search(lane_selection__paint_width_max=0.1)
     assert found.lanes == ()
+    assert found.score == 0
     assert len(found.candidates) >= 2
+    assert all(candidate.refusal for candidate in found.candidates)
+    assert all(candidate.refusal.endswith(" m broad") for candidate in found.candidates)
 
 
 def test_paths_from_border_to_border_are_not_extended(search):
     found = search(path_search__free_ends=False)
     ends = {(path.rows[0], path.rows[-1]) for path in found.paths}
-    assert {(line.rows[0], line.rows[-1]) for line, _ in found.candidates} <= ends
+    assert {(line.rows[0], line.rows[-1]) for line in of_paths(found)} <= ends
 
 
 def test_a_second_look_finds_the_faint_border_of_the_own_lane(painted_surface):
     """It is too faint for a path; along a line parallel to the bright one it adds up."""
     found = painted_surface((-1.8, 1.7), (110, 4), noise=10)
     assert offsets_of(found) == pytest.approx([-1.8, 1.7], abs=0.08)
-    by_path = [float(np.median(line.n)) for line, _ in found.candidates]
+    by_path = [float(np.median(line.n)) for line in of_paths(found)]
     assert not any(n == pytest.approx(1.7, abs=0.3) for n in by_path)
+    assert sorted(lane.variant for lane in found.lanes) == ["parallel", "path"]
 
 
 def test_a_second_look_finds_nothing_where_there_is_nothing(painted_surface):
@@ -163,8 +182,8 @@ def one_line(camera, disparity_of, right_of):
     def one_line(course, paint=200):
         image = np.full(disparity.shape, 90, np.uint8)
         image[np.abs(x - course(z)) < 0.08] = paint
-        picture = StereoFrame(image, right_of(image, surface), disparity, surface, surface)
-        return search_lanes(picture, RoadAxis(), DetectorConfig(), np.random.default_rng(0), Stopwatch())
+        frame = StereoFrame(image, right_of(image, surface))
+        return searched(RoadView(frame, disparity, surface, surface), RoadAxis())
 
     return one_line
 
@@ -173,19 +192,74 @@ def one_line(camera, disparity_of, right_of):
 def test_of_a_line_that_leads_astray_the_nearer_half_is_kept(one_line, paint, kept):
     """Its paint turns aside 20 m ahead, steeper than any lane."""
     found = one_line(lambda z: 1.7 + 0.3 * np.maximum(0, z - 20), paint)
-    assert max(line.s[-1] for line, _ in found.candidates) > 25  # the candidates stay as they were found
+    assert max(line.s[-1] for line in of_paths(found)) > 25  # the candidates stay as they were found
     assert offsets_of(found) == pytest.approx([1.7] if kept else [], abs=0.05)
-    assert all(line.s[-1] < 20 for line, _ in found.lanes)
+    assert all(lane.line.s[-1] < 20 for lane in found.lanes)
+    halves = [candidate for candidate in found.candidates if candidate.variant == "near half"]
+    assert [half.refusal for half in halves] == ([""] if kept else ["as pale as kerbs"])
 
 
 def test_of_a_line_that_strays_from_its_paint_the_nearer_half_is_kept(one_line):
     """Something else begins 0.5 m aside where it ends: no smooth curve lies on both."""
     found = one_line(lambda z: 1.7 + 0.5 * (z > 20))
-    longest, evidence = max(found.candidates, key=lambda each: each[0].length)
-    assert longest.s[-1] > 25
-    assert (
-        evidence.off_paint_fraction > OFF_PAINT_FRACTION_MAX
-        and evidence.slope < DetectorConfig().lane_selection.slope_max
-    )
+    longest = max(found.candidates, key=lambda each: each.line.length)
+    assert longest.line.s[-1] > 25
+    assert longest.evidence.off_paint_fraction > 0.1 and longest.evidence.slope < 0.11
+    assert longest.refusal.startswith("beside its paint for ")
     assert offsets_of(found) == pytest.approx([1.7], abs=0.02)
-    assert all(line.s[-1] <= 20 for line, _ in found.lanes)
+    assert all(lane.line.s[-1] <= 20 for lane in found.lanes)
+    assert {lane.variant for lane in found.lanes} == {"near half"}
+
+
+def test_lines_end_at_stop_lines_before_they_are_measured(search, monkeypatch):
+    """Whatever is ended is judged as it was ended."""
+    asked = []
+
+    def ended(line, *_):
+        asked.append(line)
+        return LaneLine(line.rows[:20], line.s[:20], line.n[:20], line.bend, line.score)
+
+    monkeypatch.setattr(lane_search, "end_at_stop_line", ended)
+    found = search()
+    assert len(asked) == len(of_paths(found)) >= 2
+    assert {len(line.rows) for line in of_paths(found)} == {20}
+
+
+def test_lines_from_border_to_border_do_not_end_at_stop_lines(search, monkeypatch):
+    monkeypatch.setattr(lane_search, "end_at_stop_line", lambda *_: pytest.fail("asked"))
+    assert search(path_search__free_ends=False).paths
+
+
+def test_every_path_that_is_fitted_is_a_candidate_once(search):
+    """Lanes, refused ones with the reason, and none of them twice."""
+    found = search(offsets=(-1.8, -0.9, 1.7))
+    assert len(of_paths(found)) == len({id(line) for line in of_paths(found)}) <= len(found.paths)
+    assert len({id(candidate.line) for candidate in found.candidates}) == len(found.candidates)
+    assert all(candidate.refusal for candidate in found.candidates if candidate not in found.lanes)
+
+
+@pytest.mark.parametrize("heading", [-0.15, 0.0, 0.15])
+def test_the_paint_that_was_found_turns_an_axis_that_is_askew(search, heading):
+    road = RoadAxis(heading)
+    config = DetectorConfig()
+    refined = LaneSearch(config).refined_axis(search(road=road, axis=RoadAxis()))
+    if heading == 0:
+        assert refined is None
+    else:
+        assert refined.heading == pytest.approx(heading, abs=0.02)
+        assert refined.curvature == pytest.approx(0, abs=0.003)
+
+
+def test_without_evidence_no_axis_is_turned(search):
+    found = search(road=RoadAxis(0.15), axis=RoadAxis())
+    config = replaced(DetectorConfig(), {"lane_selection.evidence": False})
+    assert LaneSearch(config).refined_axis(found) is None
+
+
+def test_only_paths_turn_the_axis(search):
+    """Halves and parallels go by what their own lines do."""
+    found = search(road=RoadAxis(0.15), axis=RoadAxis())
+    others = SearchResult(
+        found.paint, found.paths, tuple(replace(each, variant="parallel") for each in found.candidates)
+    )
+    assert LaneSearch(DetectorConfig()).refined_axis(others) is None
