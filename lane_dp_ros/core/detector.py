@@ -93,7 +93,8 @@ class LaneDetector:
             direction = self._direction.estimate(frame.left, disparity, road.surface)
         view = RoadView(frame, disparity, road.surface, direction.ipm_plane)
         found = self._search.along(direction.axis, view, rng, watch)
-        found = self._along_other_axes(found, view, prior, rng, watch)
+        known_axis = prior.axis if road.source == "measured" else None
+        found = self._along_other_axes(found, view, known_axis, rng, watch)
         lanes = self._lanes(found, road, prior)
         return replace(
             detection,
@@ -107,14 +108,19 @@ class LaneDetector:
         )
 
     def _along_other_axes(
-        self, found: SearchResult, view: RoadView, prior: Prior, rng: np.random.Generator, watch: Stopwatch
+        self,
+        found: SearchResult,
+        view: RoadView,
+        known: RoadAxis | None,
+        rng: np.random.Generator,
+        watch: Stopwatch,
     ) -> SearchResult:
-        """Return what has most paint along the axis of the edges, that of its own paint, or the prior's."""
+        """Return what has most paint along the axis of the edges, that of its paint, or one known before."""
         refined = self._search.refined_axis(found)
         if refined is not None:
             found = max(found, self._search.along(refined, view, rng, watch), key=lambda each: each.score)
-        if prior.axis is not None and jumps(found.paint.view.axis, prior.axis):
-            found = max(found, self._search.along(prior.axis, view, rng, watch), key=lambda each: each.score)
+        if known is not None and jumps(found.paint.view.axis, known):
+            found = max(found, self._search.along(known, view, rng, watch), key=lambda each: each.score)
         return found
 
     def _lanes(self, found: SearchResult, road: RoadEstimate, prior: Prior) -> tuple[Lane, ...]:

@@ -75,9 +75,9 @@ class Prior:
     """What the frames before say of this one.
 
     `road` decides which surface of the road serves. `axis` is the road's axis of a moment ago: where this
-    frame's own jumps away from it, lanes are searched along both. `lanes` are those known by now; where
-    heights are not measured, doubtful lines are lanes only where they go on with one of these (None: nothing
-    is followed over time, doubtful lines are told with little confidence).
+    frame's own jumps away from it, on a measured road, lanes are searched along both. `lanes` are those known
+    by now; where heights are not measured, doubtful lines are lanes only where they go on with one of these
+    (None: nothing is followed over time, doubtful lines are told with little confidence).
     """
 
     road: RoadGate = as_measured

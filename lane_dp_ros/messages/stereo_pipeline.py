@@ -46,28 +46,40 @@ def read_pair(pair: StereoPair, infos: tuple[Any, Any]) -> StereoInput:
         return StereoInput(StereoFrame(left), pair.stamp_ns, problem=one_line(error))
 
 
-def detect_unaided(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Unaided:
-    """Return what is found in a pair without those before it, small enough to be sent to another process.
-
-    Raises ValueError when an image cannot be read.
-    """
-    read = read_pair(pair, infos)
-    if read.camera is None or read.frame.right is None:
-        return Unaided(read)
-    try:
-        detection = LaneDetector(read.camera, config).detect(read.frame)
-    except Exception:  # noqa: BLE001 - `StereoPipeline` finds and tells it once more
-        return Unaided(read)
-    small = replace(detection, disparity=DisparityMap.unknown(detection.disparity.shape), paint_map=None)
-    return Unaided(read, replace(small, paths=(), candidates=()))
-
-
 @dataclass(frozen=True, eq=False)
 class Unaided:
     """A pair that was read, and what was found in it without a prior, None where nothing was looked for."""
 
     read: StereoInput
     detection: LaneDetection | None = None
+
+    @property
+    def problem(self) -> str:
+        """One line that says what is wrong, or empty: lanes may be missing from a road, a road may not."""
+        without_road = self.detection is not None and self.detection.road is None
+        return self.read.problem or (self.detection.note if self.detection and without_road else "")
+
+    def small(self) -> Unaided:
+        """Return it without what no lanes are made of: small enough to be sent to another process."""
+        if self.detection is None:
+            return self
+        disparity = DisparityMap.unknown(self.detection.disparity.shape)
+        kept = replace(self.detection, disparity=disparity, paint_map=None, paths=(), candidates=())
+        return Unaided(self.read, kept)
+
+
+def detect_unaided(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Unaided:
+    """Return what is found in a pair without those before it.
+
+    Raises ValueError when an image cannot be read. All else that goes wrong is the input's `problem`.
+    """
+    read = read_pair(pair, infos)
+    if read.camera is None or read.frame.right is None:
+        return Unaided(read)
+    try:
+        return Unaided(read, LaneDetector(read.camera, config).detect(read.frame))
+    except Exception as error:  # noqa: BLE001 - as above
+        return Unaided(replace(read, problem=one_line(error)))
 
 
 class StereoPipeline:

@@ -16,7 +16,7 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import PIXELS, RoadSurface
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
+from lane_dp_ros.messages.stereo_pipeline import detect_unaided
 from lane_dp_ros.messages.stereo_sync import StereoPair
 from lane_dp_ros.review.drive import Drive, Frame
 from lane_dp_ros.review.judgement import SIDES, Judgement, Line
@@ -60,8 +60,8 @@ class Grounds:
             return None
         pair = StereoPair(self.drive.left_message(frame), right, frame.stamp_ns)
         infos = frame.infos["left"], frame.infos["right"]
-        result = StereoPipeline(monitored=False).answer(pair, infos, self.detector)
-        return result.detection.road if result.detection else None
+        found = detect_unaided(pair, infos, self.detector)
+        return found.detection.road if found.detection else None
 
 
 def ground_through(lanes: tuple[Lane, ...], camera: StereoCamera) -> RoadSurface | None:

@@ -139,7 +139,7 @@ class LaneDetectorNode(Node):
 
 def _frame_report(result: FrameResult, now: float, latency: float, seconds: dict[str, float]) -> FrameReport:
     detection = result.detection
-    road = detection and detection.road
+    road = detection and detection.road_estimate.surface
     return FrameReport(
         time=now,
         latency=latency,

@@ -142,7 +142,7 @@ def answered(
 
 
 def _detected(config: DetectorConfig, bag_pair: BagPair) -> Unaided | str:
-    return _read(partial(detect_unaided, bag_pair.pair, bag_pair.infos, config))
+    return _read(lambda: detect_unaided(bag_pair.pair, bag_pair.infos, config).small())
 
 
 def _answer(answer: Callable[[DetectorConfig], FrameResult], config: DetectorConfig) -> FrameResult | str:

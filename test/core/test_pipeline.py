@@ -21,6 +21,7 @@ TENTH, SECOND = 100_000_000, 1_000_000_000  # ns
 MISLED = 3  # the frame whose edges vote for another axis
 ASKEW = RoadAxis(0.4, -0.03)
 CONFIG = DetectorConfig()
+BLIND = replaced(CONFIG, {"lane_selection.paint_width_max": 0.1})  # takes no line for paint
 
 
 @pytest.fixture(scope="module")
@@ -193,12 +194,16 @@ def test_the_axis_of_a_moment_ago_is_that_of_the_last_frame(frames, priors):
 
 
 def test_an_axis_that_nobody_measured_is_not_remembered(frames, priors):
-    """Of the left image alone, or of a frame without lanes."""
+    """Of the left image alone, of a frame that shows no road, or of a road without lanes."""
     blank = StereoFrame(np.full_like(frames[0].left, 90), frames[0].right)
-    results = follow(tenths([frames[0], left_alone(frames[1]), blank, frames[3]]))
+    pipeline = LanePipeline()
+    results = follow(tenths([frames[0], left_alone(frames[1]), blank]), pipeline)
+    results += follow([(START + 3 * TENTH, frames[3])], pipeline, BLIND)
+    follow([(START + 4 * TENTH, frames[4])], pipeline)
     axis = results[0].detection.birds_eye.axis
-    assert results[1].detection.birds_eye.axis != axis
-    assert [prior.axis for prior in priors] == [None, axis, axis, axis]
+    assert axis not in [results[i].detection.birds_eye.axis for i in (1, 3)]
+    assert results[3].road_profile == "measured"
+    assert [prior.axis for prior in priors] == [None, axis, axis, axis, axis]
 
 
 def test_without_a_right_image_the_last_road_serves_and_a_line_says_so(frames):
@@ -262,6 +267,31 @@ def test_the_lines_that_are_known_are_those_that_a_measured_road_bore(frames, pr
     assert known[3] <= known[2] == {lane.id for lane in results[1].lanes}
 
 
+def test_lines_that_no_measured_road_bore_are_not_known(frames, priors):
+    """Before the first right image nobody can tell whether a line is a kerb."""
+    results = follow(tenths([left_alone(frames[0]), left_alone(frames[1]), frames[2], frames[3]]))
+    assert results[0].lanes and results[1].lanes
+    assert priors[1].lanes == priors[2].lanes == ()
+    assert {lane.id for lane in priors[3].lanes} == {lane.id for lane in results[2].lanes}
+
+
+def test_once_tracking_is_off_no_axis_is_remembered(frames, priors):
+    pipeline, off = LanePipeline(), replaced(CONFIG, {"tracking.enabled": False})
+    follow([(START, frames[0])], pipeline)
+    follow([(START + TENTH, frames[1])], pipeline, off)
+    follow([(START + 2 * TENTH, frames[2])], pipeline)
+    assert [prior.axis is None for prior in priors] == [True, True, False]
+
+
+def test_a_lost_line_that_the_view_does_not_reach_is_not_published(frames):
+    """The left border of the road, 5 m aside, is beyond a view of 4 m."""
+    pipeline, narrow = LanePipeline(), replaced(CONFIG, {"birds_eye.width": 4.0})
+    *_, before = follow(tenths(frames[:5]), pipeline)
+    (after,) = follow([(START + 5 * TENTH, frames[5])], pipeline, narrow)
+    assert max(abs(lane.lateral_offset) for lane in before.lanes) > 4.0
+    assert max(abs(lane.lateral_offset) for lane in after.lanes) < 2.0
+
+
 def test_another_camera_or_configuration_is_taken_at_once(frames):
     pipeline = LanePipeline()
     follow(tenths(frames[:2]), pipeline)
@@ -269,8 +299,7 @@ def test_another_camera_or_configuration_is_taken_at_once(frames):
     (other,) = follow([(START + 2 * TENTH, frames[2])], pipeline, camera=nearer)
     assert other.detection.road.camera is nearer
     assert other.detection.score == LaneDetector(nearer).detect(frames[2]).score
-    config = replaced(CONFIG, {"lane_selection.paint_width_max": 0.1})
-    (blind,) = follow([(START + 3 * TENTH, frames[3])], pipeline, config=config)
+    (blind,) = follow([(START + 3 * TENTH, frames[3])], pipeline, config=BLIND, camera=nearer)
     assert blind.detection.lanes == ()
 
 

@@ -232,10 +232,38 @@ def test_lines_from_border_to_border_do_not_end_at_stop_lines(search, monkeypatc
 
 def test_every_path_that_is_fitted_is_a_candidate_once(search):
     """Lanes, refused ones with the reason, and none of them twice."""
-    found = search(offsets=(-1.8, -0.9, 1.7))
-    assert len(of_paths(found)) == len({id(line) for line in of_paths(found)}) <= len(found.paths)
+    found = search(offsets=(-1.8, -0.4, 1.7), lane_selection__strong_score=30.0)
+    assert len(of_paths(found)) == len({id(line) for line in of_paths(found)}) == len(found.paths)
+    reasons = [candidate.refusal for candidate in found.candidates]
+    assert "weak, inside a lane: 1.4 m beside a stronger line" in reasons
     assert len({id(candidate.line) for candidate in found.candidates}) == len(found.candidates)
     assert all(candidate.refusal for candidate in found.candidates if candidate not in found.lanes)
+
+
+def test_a_parallel_that_is_no_paint_is_refused(search, monkeypatch):
+    """Whatever proposes it, a line is a lane by its evidence only."""
+
+    def beside(_, paint, *__):
+        rows = np.arange(len(paint.view.s))[::-1]
+        return [LaneLine(rows, paint.view.s[rows], np.full(len(rows), 1.7), 0.0, 9.0)]
+
+    monkeypatch.setattr(lane_search, "parallel_lines", beside)
+    found = search(offsets=(-1.8,))
+    (parallel,) = [candidate for candidate in found.candidates if candidate.variant == "parallel"]
+    assert parallel.refusal
+    assert offsets_of(found) == pytest.approx([-1.8], abs=0.01)
+
+
+@pytest.mark.parametrize(("score", "kept"), [(2.9, False), (3.0, True)])
+def test_a_nearer_half_has_as_much_paint_as_a_line_by_itself(one_line, monkeypatch, score, kept):
+    def halved(*asked):
+        return replace(near_half(*asked), score=score)
+
+    near_half = lane_search.near_half
+    monkeypatch.setattr(lane_search, "near_half", halved)
+    found = one_line(lambda z: 1.7 + 0.3 * np.maximum(0, z - 20))
+    assert [lane.variant for lane in found.lanes] == ["near half"] * kept
+    assert ("near half" in [candidate.variant for candidate in found.candidates]) == kept
 
 
 @pytest.mark.parametrize("heading", [-0.15, 0.0, 0.15])

@@ -75,7 +75,7 @@ def line_heights(
     found = [LineHeights()] * len(lines)
     places = [np.arange(line.s[0], min(line.s[-1], FAR), ALONG) for line in lines]
     swept = [i for i, s in enumerate(places) if len(s) >= MIN_ROWS]
-    if frame.right is None or not swept:
+    if frame.right is None or not swept or view.road_surface.camera_height <= PLANES[-1]:
         return found
     s = np.concatenate([places[i] for i in swept])
     n = np.concatenate([np.interp(places[i], lines[i].s, lines[i].n) for i in swept])

@@ -56,9 +56,9 @@ class TrackingConfig(Parameters):
     )
     doubt: float = parameter(
         1.0,
-        "Share by which a lost line's confidence falls each second.",
+        "Share by which a lost line's confidence falls each second; some is left after the longest coasting.",
         unit="1/s",
-        limits=(0.0, 2.0),
+        limits=(0.0, 1.9),
         expert=True,
     )
 

@@ -18,7 +18,7 @@ from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
-from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
+from lane_dp_ros.messages.stereo_pipeline import detect_unaided
 from lane_dp_ros.messages.stereo_sync import StereoSync
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.answers import read_picture
@@ -99,9 +99,9 @@ def _pairs(
     for bag_pair in read_stereo_pairs(reader, find_stereo_topics(reader), sync):
         if wanted(stamp_ns := bag_pair.pair.stamp_ns):
             try:
-                result = StereoPipeline(monitored=False).answer(bag_pair.pair, bag_pair.infos, config)
-                left, problem = result.frame.left, result.problem
-                yield stamp_ns, FrameImages(left, result.camera, result.detection, problem)
+                found = detect_unaided(bag_pair.pair, bag_pair.infos, config)
+                left, camera = found.read.frame.left, found.read.camera
+                yield stamp_ns, FrameImages(left, camera, found.detection, found.problem)
             except ValueError as error:
                 yield stamp_ns, FrameImages(note=f"no images: {one_line(error)}")
 

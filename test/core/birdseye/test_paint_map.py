@@ -246,8 +246,10 @@ def test_contrast_by_hand():
     assert contrast.argmax() == 30
     assert contrast[30] == pytest.approx(60 / 3)
     assert band_contrast(image, rough, 0.05)[0, 30] == pytest.approx(60 / 6)
-    rough[0, 30:] = 0  # on one side: each flank counts by the texture beside it
-    assert band_contrast(image, rough, 0.05)[0, 30] == pytest.approx(60 / 6)
+    for one_side in (slice(36, None), slice(None, 25)):  # the flank there counts by the texture 0.6 m aside
+        rough[:] = 0
+        rough[0, one_side] = 3
+        assert band_contrast(image, rough, 0.05)[0, 30] == pytest.approx(60 / 6)
 
 
 def test_the_configuration_names_the_feature():

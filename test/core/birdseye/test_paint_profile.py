@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.birdseye.paint_map import PaintMap
-from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, runs_of
+from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, paint_gain, runs_of
 
 
 @pytest.mark.parametrize(
@@ -89,3 +89,8 @@ def test_the_feature_is_that_of_each_row(painted_road):
     paint = profile_of(painted_road, [0.0] * 5)
     paint.paint_map.feature[[10, 11], [2, 3]] = 0.7, 0.4
     assert paint.feature(np.array([9, 10, 11]), np.array([3, 3, 3])) == pytest.approx([0, 0.7, 0.4])
+
+
+def test_a_metre_of_line_gains_its_paint_less_what_blank_road_costs():
+    assert paint_gain(np.array([0.0, 0.5, 1.0]), 0.2) == pytest.approx([-0.2, 0.3, 0.8])
+    assert paint_gain(np.array([False, True]), 0.2) == pytest.approx([-0.2, 0.8])

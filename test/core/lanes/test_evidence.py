@@ -70,6 +70,12 @@ def test_brightness_is_that_over_the_road_towards_the_vehicle(painted_road, evid
     assert evidence_of(road.line(course), course).brightness == pytest.approx(0.8, abs=0.01)
 
 
+def test_the_width_is_that_of_the_nearest_ten_metres_of_paint(painted_road, evidence_of):
+    """From 4 to 13 m the paint is narrow, from there to 24 m, where the picture blurs it, broad."""
+    road = painted_road().line(CENTRE, 0.15, last=13).line(CENTRE, 0.3, first=13)
+    assert evidence_of(road).paint_width == pytest.approx(0.15, abs=0.01)
+
+
 def test_a_line_off_by_a_column_gives_the_same_cross_section(painted_road, evidence_of):
     road = painted_road().line(CENTRE)
     on, off = evidence_of(road), evidence_of(road, CENTRE + 0.08)

@@ -77,6 +77,11 @@ def test_a_rail_beside_the_border_line_is_doubted_but_the_next_lane_and_a_double
     assert judged([line(n), line(1.4), line(-1.8)], [PAINT] * 3) == [confidence, 0.9, 0.9]
 
 
+def test_a_line_on_the_vehicles_other_side_makes_no_rail():
+    """Between the two of them is the vehicle."""
+    assert judged([line(1.4), line(-0.2)], [PAINT] * 2) == [0.9, 0.9]
+
+
 def test_what_is_doubted_already_is_not_lifted():
     lane = Lane(np.zeros((2, 3)), 0.2, 0.15, "other", 0.0, 1.5)
     candidate = Candidate(line(1.5), replace(PAINT, wide_band_ratio=-1.0))

@@ -274,9 +274,19 @@ def test_a_free_path_pays_for_its_bends():
         for cost in (0.0, 1.0)
     ]
     assert scores[0] - scores[1] == pytest.approx(1.0, abs=0.2)
+    by_default = find_paths(map_of(drawn(line, line - 1)), replace(FREE, slope_cost=0.0))[0].score
+    assert scores[0] - by_default == pytest.approx(0.14, abs=0.02)
 
 
 def test_paths_close_to_a_better_one_wait_for_the_next_pass():
     lines = map_of(drawn(20, 25, 50))  # 0.5 m and 2.5 m apart
     assert found_columns(find_paths(lines, replace(FREE, passes=1))) in ([20, 50], [25, 50])
     assert found_columns(find_paths(lines, replace(FREE, passes=1, apart=0.4))) == [20, 25, 50]
+
+
+@pytest.mark.parametrize(("apart", "count"), [(11, 1), (13, 2)])
+def test_in_one_pass_paths_keep_clear_by_more_than_a_metre(apart, count):
+    """1.2 m, 12 columns."""
+    lines = map_of(drawn(20, 20 + apart))
+    assert len(find_paths(lines, replace(FREE, passes=1))) == count
+    assert len(find_paths(lines, FREE)) == 2

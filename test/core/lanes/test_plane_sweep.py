@@ -12,7 +12,7 @@ from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.plane_sweep import PLANES, LineHeights, PlaneSweepConfig, line_heights
+from lane_dp_ros.core.lanes.plane_sweep import PLANES, LineHeights, PlaneSweepConfig, _seen, line_heights
 from lane_dp_ros.core.types import StereoFrame
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -154,6 +154,17 @@ def test_many_lines_at_once_have_the_heights_that_each_has_by_itself(grainy_pair
     assert np.isnan(together[order.index(2)]).all()
     if 0 in order:
         assert together[order.index(0)] == pytest.approx([0.06, 0.0, 0.10], abs=CENTIMETRE)
+
+
+def test_pixels_are_seen_where_both_images_show_them_on_every_plane():
+    """Of a picture of 10 x 20 px; the right camera sees the lowest plane farthest to the right."""
+    u, v = np.array([[5.0, 5.0, 19.0, 19.5, 5.0, 5.0]]), np.array([[0.0, 9.5, 9.0, 9.0, -0.5, 3.0]])
+    lowest, highest = u - 1, u - 5
+    highest[0, 5] = -0.5  # beyond the left border of the right image, on the highest plane alone
+    seen = _seen(u, v, np.stack([lowest, highest]), (10, 20))
+    assert seen.tolist() == [[True, False, True, False, False, False]]
+    lowest[0, 0] = 19.5  # with the principal point of the right camera far to the right
+    assert not _seen(u, v, np.stack([lowest, highest]), (10, 20))[0, 0]
 
 
 def test_of_no_lines_there_are_no_heights(grainy_pair):

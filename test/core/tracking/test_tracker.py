@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.tracking.tracker import LaneTracker
+from lane_dp_ros.core.parameter import parameters
+from lane_dp_ros.core.tracking.tracker import LaneTracker, TrackingConfig
 from lane_dp_ros.core.types import Lane
 
 FRAME = 100_000_000  # ns: 10 Hz
@@ -133,3 +134,14 @@ def test_a_frame_without_lanes_is_answered_and_remembered_as_one():
     first = ids(tracker, [1.75], START)
     assert tracker.update([], START + FRAME) == ()
     assert ids(tracker, [1.75], START + 2 * FRAME) == first
+
+
+def test_a_line_that_coasts_as_long_as_it_may_keeps_some_confidence():
+    """However fast a lost line is doubted: a confidence is more than 0."""
+    doubted = parameters(TrackingConfig())["doubt"].maximum
+    tracker = LaneTracker(TrackingConfig(doubt=doubted, coast_time=0.5))
+    both, one = [lane(-1.75), lane(1.75)], [lane(-1.75)]
+    for i in range(8):
+        tracker.update(both, START + i * FRAME)
+    *_, coasted = (tracker.update(one, START + (8 + i) * FRAME) for i in range(5))
+    assert [0 < each.confidence < 0.1 for each in coasted] == [False, True]

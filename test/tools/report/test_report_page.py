@@ -13,6 +13,7 @@ import pytest
 
 from lane_dp_ros.core.config import preset
 from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.messages.bag import BagWriter, bag_message
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.image import image_to_ros
@@ -168,7 +169,7 @@ def test_a_bag_without_images_shows_a_drawing_and_says_so(page):
 def scene_frame(pair, name, **fields):
     """Return the frame of a rendered pair, and the result of a detector that misses its last line."""
     frame = replace(pair.truth, name=name, sequence="scene", category="curve", **fields)
-    lanes = LaneDetector(CAMERA, preset("default")).detect(pair.left, pair.right).lanes
+    lanes = LaneDetector(CAMERA, preset("default")).detect(StereoFrame(pair.left, pair.right)).lanes
     return frame, judge(frame, lanes[:-1], CAMERA)
 
 
