@@ -44,15 +44,12 @@ RENDERED, RENDERED_RATE, SEED = 20, 10.0, 1  # pairs, their rate [Hz], the road
 QUEUE = 10  # messages
 START_TIMEOUT = 30.0  # s until the node has started and answers
 WARM_UP_RATE = 5.0  # Hz, until the first answer
-ANSWER_TIMEOUT = 1.0  # s without any answer: there are no more
+ANSWER_TIMEOUT = 1.5  # s without any answer: there are no more, and the node has reported once more
 POLL = 0.01  # s
 STAMP = struct.Struct("<iI")  # seconds and nanoseconds, the first that stands in a serialised header
 STAMP_AT = 4  # bytes; behind what says how the message is serialised
-IMAGE, CAMERA_INFO, MARKER_ARRAY = (
-    "sensor_msgs/msg/Image",
-    "sensor_msgs/msg/CameraInfo",
-    "visualization_msgs/msg/MarkerArray",
-)
+IMAGE, CAMERA_INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
+MARKER_ARRAY, DIAGNOSTICS = "visualization_msgs/msg/MarkerArray", "diagnostic_msgs/msg/DiagnosticArray"
 
 Floats = NDArray[np.float64]
 
@@ -80,10 +77,14 @@ class Drive:
 
 @dataclass(frozen=True)
 class Measured:
-    """What became of the pairs that were published at a rate [Hz]; latencies in ms, `cpu` in cores."""
+    """What became of the pairs that were published at a rate [Hz]; latencies in ms, `cpu` in cores.
+
+    `dropped` are those that the node had no time for; the rest without an answer was lost on the way to it.
+    """
 
     rate: float
     published: int
+    dropped: int
     latencies: Floats
     cpu: float
 
@@ -92,10 +93,15 @@ class Measured:
         answered = len(self.latencies)
         p50, p95 = np.percentile(self.latencies, [50, 95]) if answered else (np.nan, np.nan)
         share = f"{answered} of {self.published} ({answered / self.published:.0%})"
-        return f"| {self.rate:g} | {share} | {p50:.0f} | {p95:.0f} | {self.cpu:.0%} |"
+        lost = self.published - answered - self.dropped
+        return (
+            f"| {self.rate:g} | {share} | {self.dropped} | {lost} | {p50:.0f} | {p95:.0f} | {self.cpu:.0%} |"
+        )
 
 
-HEADS = "| Hz | pairs answered | p50 ms | p95 ms | CPU of the node |\n|---|---|---|---|---|"
+HEADS = """\
+| Hz | pairs answered | dropped by the node | lost on the way | p50 ms | p95 ms | CPU of the node |
+|---|---|---|---|---|---|---|"""
 
 
 def serialised(message: Any, type_name: str) -> bytearray:
@@ -172,20 +178,36 @@ class Answers:
         return dict(zip(stamps, (when for when, _ in self._came), strict=True))
 
 
+class Reports:
+    """How many pairs a node has dropped, by its last report."""
+
+    def __init__(self, node: Any) -> None:
+        self.dropped = 0
+        self._name = node.get_namespace()
+        node.create_subscription(_message_class(DIAGNOSTICS), "/diagnostics", self._take, QUEUE)
+
+    def _take(self, array: Any) -> None:
+        for status in array.status:
+            if status.name.startswith(self._name):
+                values = {each.key: each.value for each in status.values}
+                self.dropped = int(values.get("pairs dropped", self.dropped))
+
+
 def measure(pairs: Drive, rate: float, seconds: float, log: Path) -> Measured:
     """Publish pairs to a new lane_detector process, `rate` of them a second."""
     session, player = ros_module("demo_session"), ros_module("bag_player")
     namespace = f"/lane_dp_bench_{os.getpid()}"
     with session.detector_process(namespace, log) as process, player.ros_node("camera", namespace) as node:
-        camera, answers = Camera(node, pairs), Answers(node)
+        camera, answers, reports = Camera(node, pairs), Answers(node), Reports(node)
         with session.spinning(node):
             _warm_up(camera, answers, lambda: session.check_alive(process, log))
-            before, start = cpu_seconds(process.pid), time.monotonic()
+            dropped, before, start = reports.dropped, cpu_seconds(process.pid), time.monotonic()
             sent = _publish(camera, rate, seconds)
             cpu = (cpu_seconds(process.pid) - before) / (time.monotonic() - start)
             _wait_for_answers(answers)
             session.check_alive(process, log)
-    return Measured(rate, len(sent), latencies(sent, answers.by_stamp()), cpu)
+    found = latencies(sent, answers.by_stamp())
+    return Measured(rate, len(sent), reports.dropped - dropped, found, cpu)
 
 
 def latencies(sent: dict[int, int], answered: dict[int, int]) -> Floats:

@@ -185,7 +185,7 @@ def report(left_out: Scores, defaults: Scores, chosen: Mapping[str, Values]) -> 
     for i, (name, grid) in enumerate(THRESHOLDS.items()):
         times = Counter(values[i] for values in chosen.values())
         counts = "  ".join(f"{value:g}: {times[value]}" for value in grid)
-        print(f"{name:40s} {counts}  (default {shipped(name):g})")
+        print(f"{name:44s} {counts}  (default {shipped(name):g})")
 
 
 def main() -> int:

@@ -90,9 +90,10 @@ def test_what_is_not_answered_has_no_latency():
 
 
 def test_a_row_says_what_became_of_the_pairs():
-    measured = bench_node.Measured(10.0, 4, np.array([30.0, 50.0, 40.0]), 0.456)
-    assert measured.row() == "| 10 | 3 of 4 (75%) | 40 | 49 | 46% |"
-    assert bench_node.Measured(30.0, 4, np.empty(0), 0.0).row() == "| 30 | 0 of 4 (0%) | nan | nan | 0% |"
+    measured = bench_node.Measured(10.0, 5, 0, np.array([30.0, 50.0, 40.0, 40.0]), 0.456)
+    assert measured.row() == "| 10 | 4 of 5 (80%) | 0 | 1 | 40 | 48 | 46% |"
+    none = bench_node.Measured(30.0, 4, 3, np.empty(0), 0.0)
+    assert none.row() == "| 30 | 0 of 4 (0%) | 3 | 1 | nan | nan | 0% |"
     assert bench_node.HEADS.splitlines()[0].count("|") == measured.row().count("|")
 
 
@@ -115,8 +116,8 @@ def test_the_node_answers_what_is_published(tmp_path, monkeypatch, capsys):
     assert printed == (tmp_path / "out" / "node.md").read_text()
     assert "rendered, 1242x375, 2 s at each rate" in printed
     (row,) = [line for line in printed.splitlines() if line.startswith("| 3 |")]
-    _, rate, answered, p50, p95, cpu, _ = (cell.strip() for cell in row.split("|"))
-    assert (rate, answered) == ("3", "6 of 6 (100%)")
+    _, rate, answered, dropped, lost, p50, p95, cpu, _ = (cell.strip() for cell in row.split("|"))
+    assert (rate, answered, dropped, lost) == ("3", "6 of 6 (100%)", "0", "0")
     assert 5 < int(p50) <= int(p95) < 5000
     assert 1 <= int(cpu.rstrip("%")) < 300
 

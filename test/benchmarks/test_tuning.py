@@ -69,6 +69,7 @@ def read(monkeypatch):
 def test_the_default_pipeline_has_at_most_40_parameters():
     assert len(tuning.TRIED) <= 40
     assert f"The default pipeline has {len(tuning.TRIED)} parameters." in TABLE
+    assert len(ALL) - len(SPECS) == 50 and "Fifty more are thresholds for experts" in TABLE
 
 
 def test_what_is_tried_is_what_the_default_pipeline_reads(pairs, read):
