@@ -163,6 +163,7 @@ def test_a_jump_of_time_begins_anew(start):
 def test_a_calibration_that_is_mended_is_no_longer_complained_of():
     wrong, right = sight(surface=road(height=2.0)), sight()
     assert watch(lambda i: wrong if i < 40 else right, seconds=8.5).complaint == ""
+    assert watch(lambda i: wrong if i < 100 else right, seconds=18.5).complaint == ""
 
 
 @pytest.fixture(scope="module")

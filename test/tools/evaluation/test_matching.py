@@ -104,6 +104,12 @@ def test_doubled():
     assert score.localisation_error == pytest.approx(0.0, abs=1e-9)  # the better one of the two is the match
 
 
+def test_one_line_is_the_match_of_one_label():
+    score = judged(line(-1.8), labels=(LEFT, label(-1.7, name="R")))
+    assert (score.labels, score.matched, score.missed) == (2, 1, 1)
+    assert score.localisation_error == pytest.approx(0.0, abs=1e-9)
+
+
 def test_extra():
     score = judged(line(-1.8), line(1.8), line(5.0), line(0.0))
     assert (score.paper_precision, score.false_lanes, score.duplicates) == (1.0, 2, 0)
