@@ -120,7 +120,7 @@ ABLATIONS = (
     ),
     Ablation("the paper's dense vanishing point", {"vanishing_point.method": "dense"}),
     Ablation("direction by sum h instead of sum h^3", patches=replacing(arc_vote, SHARPNESS=1)),
-    Ablation("no axis refinement by the paint", highest("axis_refinement.askew_min")),
+    Ablation("no axis refinement by the paint", highest("axis_refinement.slope_min")),
     Ablation("one sample for each cell, not the mean over it", patches=replacing(birds_eye, SAMPLES=(1, 1))),
     Ablation(
         "paint looked for in the left image alone", patches=replacing(BandsPaintMap, build=of_left_image)
@@ -137,7 +137,7 @@ ABLATIONS = (
     Ablation("the paper's parabola by RANSAC", {"lane_model.model": "parabola"}),
     Ablation("robust parabola instead of cubic", patches=replacing(line_fit, CUBIC_LENGTH=ANY)),
     Ablation("dashes not followed over gaps", patches=replacing(search, extend_line=as_it_is)),
-    Ablation("lines not ended at stop lines", highest("stop_line.junction")),
+    Ablation("lines not ended at stop lines", highest("stop_line.unpainted_min")),
     Ablation("the near half of a refused line is not kept", patches=replacing(search, near_half=no_half)),
     Ablation("no heights along lines", patches=replacing(evidence, line_heights=no_heights)),
     Ablation("no height test", highest("lane_selection.height_max")),

@@ -40,8 +40,8 @@ THRESHOLDS: dict[str, Sequence[float]] = {
     "lane_selection.strong_dashes": (2, 3, 4),
     "lane_selection.lane_width_min": (2.0, 2.25, 2.5, 2.75, 3.0),  # m
     "lane_selection.lane_width_max": (3.75, 4.25, 4.75),  # m
-    "plane_sweep.distinct": (0.1, 0.2, 0.3, 0.4, 0.5),
-    "stop_line.junction": (6.0, 9.0, 12.0),  # m
+    "plane_sweep.distinctness_min": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "stop_line.unpainted_min": (6.0, 9.0, 12.0),  # m
     "path_search.min_score": (1.0, 1.5, 2.0, 2.5, 3.0),  # m
     "path_search.blank_cost": (0.10, 0.15, 0.20, 0.25, 0.30),
     "paint_map.contrast_min": (0.2, 0.4, 0.6, 0.8, 1.0),

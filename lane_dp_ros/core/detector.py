@@ -17,7 +17,7 @@ from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import Candidate, LanePath
 from lane_dp_ros.core.lanes.lifting import to_lanes
-from lane_dp_ros.core.lanes.mono_fallback import going_on, without_heights
+from lane_dp_ros.core.lanes.mono_fallback import mono_lanes
 from lane_dp_ros.core.road.disparity import dense_disparity
 from lane_dp_ros.core.road.road_profile import fit_road_surface, plausible_heights
 from lane_dp_ros.core.road.vanishing_point import RoadDirection, direction_along, direction_estimator
@@ -48,7 +48,7 @@ class LaneDetection:
     seconds: dict[str, float] = field(default_factory=dict)
     """Computing time of each stage, in order."""
     note: str = ""
-    """One line that says why there is no answer, empty otherwise."""
+    """One line that says why the road that was measured did not serve, or why there are no lanes."""
 
     @property
     def score(self) -> float:
@@ -95,7 +95,7 @@ class LaneDetector:
         found = self._search.along(direction.axis, view, rng, watch)
         known_axis = prior.axis if road.source == "measured" else None
         found = self._along_other_axes(found, view, known_axis, rng, watch)
-        lanes = self._lanes(found, road, prior)
+        lanes, candidates = self._lanes(found, road, prior)
         return replace(
             detection,
             lanes=lanes,
@@ -103,7 +103,7 @@ class LaneDetector:
             birds_eye=found.paint.view,
             paint_map=found.paint.paint_map,
             paths=found.paths,
-            candidates=found.candidates,
+            candidates=candidates,
             note=detection.note or ("" if lanes else f"no lanes among {len(found.paths)} paths"),
         )
 
@@ -123,12 +123,16 @@ class LaneDetector:
             found = max(found, self._search.along(known, view, rng, watch), key=lambda each: each.score)
         return found
 
-    def _lanes(self, found: SearchResult, road: RoadEstimate, prior: Prior) -> tuple[Lane, ...]:
-        lanes = to_lanes(found.lanes, found.paint.view)
+    def _lanes(
+        self, found: SearchResult, road: RoadEstimate, prior: Prior
+    ) -> tuple[tuple[Lane, ...], tuple[Candidate, ...]]:
+        """Return the lanes of what was found, and all candidates, refused ones with the reason."""
+        view = found.paint.view
         if road.source == "measured":
-            return lanes
-        lanes = without_heights(lanes, found.lanes, self.config.mono_fallback)
-        return lanes if prior.lanes is None else going_on(lanes, prior.lanes, self.config.mono_fallback)
+            return to_lanes(found.lanes, view), found.candidates
+        lanes, doubted = mono_lanes(found.lanes, view, prior.lanes, self.config.mono_fallback)
+        refused = {id(each.line): each for each in doubted}
+        return lanes, tuple(refused.get(id(each.line), each) for each in found.candidates)
 
     def _seen_along(
         self, found: SearchResult, direction: RoadDirection, surface: RoadSurface
@@ -140,7 +144,7 @@ class LaneDetector:
 
     def _note(self, frame: StereoFrame, road: RoadEstimate) -> str:
         """Return why the road that was measured in a frame does not serve, empty where it does."""
-        if road.source == "measured" and road.surface is not None:
+        if road.source == "measured":
             return ""
         if road.reason:
             return f"the road contradicts the one before: {road.reason}"

@@ -52,11 +52,12 @@ class FrameResult:
 
 @dataclass
 class _Memory:
-    """What is kept from frame to frame, and forgotten when time jumps."""
+    """What is kept from frame to frame, and forgotten when time jumps or the camera changes."""
 
+    camera: StereoCamera | None = None
     stamp_ns: int = 0
     lanes: tuple[Lane, ...] = ()
-    """The lines that the last measured road bore, where they are by now."""
+    """The lines that the last measured road bore, as of the frame before."""
     axis: RoadAxis | None = None
     axis_ns: int = 0
 
@@ -69,12 +70,12 @@ class LanePipeline:
     """
 
     monitored: bool = True
-    _road: RoadFilter = field(default_factory=RoadFilter)
-    _tracker: LaneTracker = field(default_factory=LaneTracker)
-    _monitor: CalibrationMonitor = field(default_factory=CalibrationMonitor)
-    _memory: _Memory = field(default_factory=_Memory)
-    _detector: LaneDetector | None = None
-    _rows_ns: int = 0  # when the rows were compared last
+    _road: RoadFilter = field(default_factory=RoadFilter, init=False)
+    _tracker: LaneTracker = field(default_factory=LaneTracker, init=False)
+    _monitor: CalibrationMonitor = field(default_factory=CalibrationMonitor, init=False)
+    _memory: _Memory = field(default_factory=_Memory, init=False)
+    _detector: LaneDetector | None = field(default=None, init=False)
+    _rows_ns: int = field(default=0, init=False)  # when the rows were compared last
 
     def process(
         self,
@@ -110,8 +111,10 @@ class LanePipeline:
 
     def _predict(self, nominal: RoadSurface, stamp_ns: int, config: DetectorConfig) -> Prior:
         """Return what the frames before say of the one of `stamp_ns`."""
-        if not 0 <= stamp_ns - self._memory.stamp_ns <= MEMORY_NS:
-            self._memory = _Memory()
+        if nominal.camera != self._memory.camera:
+            self._tracker.reset()
+        if nominal.camera != self._memory.camera or not 0 <= stamp_ns - self._memory.stamp_ns <= MEMORY_NS:
+            self._memory = _Memory(nominal.camera)
         memory = self._memory
         memory.stamp_ns = stamp_ns
         fresh = config.tracking.enabled and stamp_ns - memory.axis_ns <= AXIS_MEMORY_NS

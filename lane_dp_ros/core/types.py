@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import cv2
@@ -17,7 +17,7 @@ from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
 Image = NDArray[np.uint8]
 LaneRole = Literal["ego_left", "ego_right", "other"]
-RoadSource = Literal["measured", "last", "nominal"]
+RoadSource = Literal["measured", "last", "nominal", "none"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class StereoFrame:
 
 @dataclass(frozen=True)
 class RoadEstimate:
-    """The road's surface that serves for a frame, and where it is from: measured, the last one, or nominal.
+    """The road's surface that serves for a frame: the measured one, the last one, the nominal one, or none.
 
     `surface` is None where there is none; `reason` says what contradicts a surface that was measured but
     does not serve, empty otherwise.
@@ -67,10 +67,10 @@ class RoadGate(Protocol):
 
 def as_measured(measured: RoadSurface | None) -> RoadEstimate:
     """Return the measured surface: the gate of frames before which nothing is known."""
-    return RoadEstimate(measured)
+    return RoadEstimate(measured, "none" if measured is None else "measured")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prior:
     """What the frames before say of this one.
 
@@ -85,7 +85,7 @@ class Prior:
     lanes: tuple[Lane, ...] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lane:
     """One painted line.
 
@@ -120,6 +120,15 @@ def ego_roles(offsets: Sequence[float]) -> list[LaneRole]:
     if right:
         roles[min(right, key=lambda i: offsets[i])] = "ego_right"
     return roles
+
+
+def with_roles(lanes: Sequence[Lane]) -> tuple[Lane, ...]:
+    """Return lanes with the roles that they have beside one another."""
+    roles = ego_roles([lane.lateral_offset for lane in lanes])
+    return tuple(
+        lane if lane.role == role else replace(lane, role=role)
+        for lane, role in zip(lanes, roles, strict=True)
+    )
 
 
 def _check_image(image: object, side: str) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.parameter import Parameter, Parameters, Value, parameter, parameters, replaced
 
-# The names of release 0.1, which are still taken.
+# Names of before, which are taken for one release.
 RENAMED = {
     "tracking.bridge_time": "tracking.coast_time",
     "lane_selection.roughness_max": "lane_selection.texture_max",

@@ -81,10 +81,10 @@ class Health:
     def __init__(self) -> None:
         self._heard: dict[str, float] = {}
         self._frames: deque[FrameReport] = deque(maxlen=MAX_FRAMES)
+        self._news: deque[FrameReport] = deque(maxlen=MAX_FRAMES)  # since the last summary
         self._failed = 0
         self._last_problem = ""
         self._last_counts = Counts(0, 0, 0, 0)
-        self._last_summary = 0.0
         self._lock = threading.Lock()
 
     def heard(self, topic: str, now: float) -> None:
@@ -95,6 +95,7 @@ class Health:
         """Note what became of a pair."""
         with self._lock:
             self._frames.append(report)
+            self._news.append(report)
             self._failed += report.failed
             self._last_problem = report.problem or self._last_problem
 
@@ -102,14 +103,17 @@ class Health:
         """Return level, message and key values of a report; its level judges the time since the last one."""
         with self._lock:
             frames = [frame for frame in self._frames if now - frame.time <= WINDOW]
+            news = list(self._news)
+            self._news.clear()
         missing = self._missing(now, topics)
-        level, message = self._verdict(frames, counts, missing)
-        self._last_counts, self._last_summary = counts, now
+        level, message = self._verdict(frames, news, counts, missing)
+        self._last_counts = counts
         return level, message, self._values(frames, counts) | {"silent topics": ", ".join(missing)}
 
-    def _verdict(self, frames: list[FrameReport], counts: Counts, missing: list[str]) -> tuple[Level, str]:
-        """Return the worst that holds."""
-        news = [frame for frame in frames if frame.time > self._last_summary]
+    def _verdict(
+        self, frames: list[FrameReport], news: list[FrameReport], counts: Counts, missing: list[str]
+    ) -> tuple[Level, str]:
+        """Return the worst that holds of the `news` since the last summary."""
         failures = [frame.problem for frame in news if frame.failed]
         if failures:
             return Level.ERROR, f"A frame failed: {failures[-1]}"

@@ -14,9 +14,11 @@ from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.messages.errors import one_line
 from lane_dp_ros.messages.image import Image8, image_to_ros
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
-from lane_dp_ros.ros.publishing import DEPTH, publish
+from lane_dp_ros.ros.publishing import DEPTH, is_watched, publish
 from lane_dp_ros.ros.rclpy_message import rclpy_message
 from lane_dp_ros.ros.worker import LatestOnlyWorker
+
+LOG_PERIOD = 5.0  # s; the same complaint is logged no more often
 
 
 class PicturePublisher:
@@ -35,7 +37,7 @@ class PicturePublisher:
 
     def offer(self, result: FrameResult, header: Any) -> None:
         """Have the pictures of a result drawn and published, if anybody looks at them; returns at once."""
-        if self._overlay.get_subscription_count() or self._birds_eye.get_subscription_count():
+        if is_watched(self._node, self._overlay) or is_watched(self._node, self._birds_eye):
             self._worker.offer((result, header))
         else:
             self.seconds = 0.0
@@ -50,15 +52,16 @@ class PicturePublisher:
         try:
             self._draw(result, header)
         except Exception as error:  # noqa: BLE001 - a picture that cannot be drawn must not end the node
-            self._node.get_logger().error(f"A picture cannot be drawn: {one_line(error)}")
+            message = f"A picture cannot be drawn: {one_line(error)}"
+            self._node.get_logger().error(message, throttle_duration_sec=LOG_PERIOD)
         self.seconds = time.perf_counter() - start
 
     def _draw(self, result: FrameResult, header: Any) -> None:
         left = result.frame.left
-        if result.camera is not None and self._overlay.get_subscription_count():
+        if result.camera is not None and is_watched(self._node, self._overlay):
             self._publish(self._overlay, draw_overlay(left, result.lanes, result.camera), header)
         view = result.detection.birds_eye if result.detection else None
-        if view is not None and self._birds_eye.get_subscription_count():
+        if view is not None and is_watched(self._node, self._birds_eye):
             self._publish(self._birds_eye, draw_birds_eye(view, left, result.lanes), header)
 
     def _publish(self, publisher: Any, picture: Image8, header: Any) -> None:

@@ -14,6 +14,16 @@ DEPTH = 10  # messages kept for a subscription that is slower
 RCLError = rclpy_implementation.RCLError
 
 
+def is_watched(node: Node, publisher: Publisher) -> bool:
+    """Return whether somebody subscribes to a publisher; nobody does once ROS is shut down."""
+    try:
+        return bool(publisher.get_subscription_count())
+    except RCLError:
+        if node.context.ok():
+            raise
+        return False
+
+
 def publish(node: Node, publisher: Publisher, msg: Any) -> None:
     """Publish a message of a node, whichever thread works and whether or not ROS goes down meanwhile."""
     try:

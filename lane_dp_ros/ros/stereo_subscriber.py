@@ -85,15 +85,16 @@ class StereoSubscriber:
             self._node.get_logger().error(one_line(error))
 
     def _subscribe_to_images(self, image_transport: str) -> None:
-        for old in self._image_subscriptions:
-            self._node.destroy_subscription(old)
-        self._image_subscriptions = []
+        before, subscriptions = self._image_subscriptions, []
         for side in SIDES:
             message, topic = Image, f"{side}/image_rect"
             if image_transport == "compressed":
                 # As image_transport has it: a remap of the raw topic's name moves the compressed one along.
                 message, topic = CompressedImage, self._node.resolve_topic_name(topic) + "/compressed"
-            self._image_subscriptions.append(self._subscribe(message, topic, partial(self._on_image, side)))
+            subscriptions.append(self._subscribe(message, topic, partial(self._on_image, side)))
+        self._image_subscriptions = subscriptions
+        for old in before:
+            self._node.destroy_subscription(old)
 
     def _subscribe(self, message: Any, topic: str, callback: Any) -> Subscription:
         # A copy, because rclpy writes the overrides into the profile that it is given.

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,13 +85,22 @@ def run_demo(folder: Path, session_module: SessionModule, rate: float | None, co
     print(f"pictures, to be looked at: {folder / 'overlay.png'}, {folder / 'ipm.png'}")
     if not any(result.lanes_per_frame):
         raise CommandError(f"lane_detector found no lane on the rendered road, see {folder / 'overlay.png'}")
-    print(
-        "next, to be typed as they stand:",
-        f"  {command} run {road} -o {folder / 'offline.mcap'}    # the same without ROS, every pair",
-        f"  {command} scenes kerbs night curve -o {folder / 'scenes'}    # other roads, their lanes known",
-        f"  {command} evaluate {folder / 'scenes'} --report {folder / 'report'}    # how good, on a page",
-        sep="\n",
-    )
+    print("next, to be typed as they stand:", *_next_commands(command, folder, road), sep="\n  ")
+
+
+def _next_commands(command: str, folder: Path, road: Path) -> list[str]:
+    """Return three commands that go on from here, each with what it does."""
+    offline, scenes_folder, report = (_typed(folder / name) for name in ("offline.mcap", "scenes", "report"))
+    return [
+        f"{command} run {_typed(road)} -o {offline} --force    # the same without ROS",
+        f"{command} scenes kerbs night curve -o {scenes_folder} --force    # other roads, with their truth",
+        f"{command} evaluate {scenes_folder} --report {report}    # how good, on a page",
+    ]
+
+
+def _typed(path: Path) -> str:
+    """Return a path as a shell takes it."""
+    return shlex.quote(str(path))
 
 
 def _render(writer: BagWriter) -> None:

@@ -13,7 +13,7 @@ from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 ALL = parameters(DetectorConfig())
 # What an expert or a fit should touch only; ROS tools do not list them.
 EXPERT = {
-    "path_search": ("slope_max", "slope_cost", "bend_cost", "apart", "passes"),
+    "path_search": ("slope_max", "slope_cost", "bend_cost", "separation_min", "passes"),
     "lane_selection": (
         "wide_band_ratio_max",
         "off_paint_fraction_max",
@@ -36,9 +36,9 @@ EXPERT = {
     ),
     "extension": ("gap_max", "turn_max"),
     "parallel": ("contrast_min", "contrast_max", "blank_cost", "score_min", "ego_max"),
-    "stop_line": ("junction", "bright"),
-    "plane_sweep": ("distinct",),
-    "axis_refinement": ("askew_min", "score_min"),
+    "stop_line": ("unpainted_min", "rise_min"),
+    "plane_sweep": ("distinctness_min",),
+    "axis_refinement": ("slope_min", "score_min"),
     "mono_fallback": (
         "paint_width_min",
         "paint_width_max",
@@ -47,11 +47,11 @@ EXPERT = {
         "texture_max",
         "start_max",
         "score_min",
-        "beside_min",
-        "beside_max",
+        "gap_min",
+        "gap_max",
         "doubted_confidence",
     ),
-    "tracking": ("hits_min", "astray_max", "new_beside", "touching", "doubt"),
+    "tracking": ("hits_min", "heading_deviation_max", "new_beside", "merge_distance", "confidence_decay"),
 }
 PAPER = {  # section V and VI of the paper; resolution and band as in the authors' program
     "paint_map.feature": "edges_and_grey",

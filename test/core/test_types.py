@@ -68,7 +68,7 @@ def test_without_frames_before_what_is_measured_serves():
     surface = RoadSurface.plane(StereoCamera(700.0, 700.0, 320.0, 120.0, 0.5), 1.65, 0.0)
     prior = Prior()
     assert prior.road(surface) == RoadEstimate(surface, "measured", "")
-    assert prior.road(None) == RoadEstimate(None, "measured", "")
+    assert prior.road(None) == RoadEstimate(None, "none", "")
     assert prior.axis is prior.lanes is None
 
 

@@ -31,7 +31,12 @@ ABOVE_PX = 1.0  # px; less difference in disparity is noise, however many metres
 class BirdsEyeConfig(Parameters):
     """The piece of road that is looked at, in road coordinates."""
 
-    near: float = parameter(4.0, "Where the view begins, ahead of the camera.", unit="m", limits=(0.0, 20.0))
+    near: float = parameter(
+        4.0,
+        "Where the view begins, ahead of the camera; road nearer than 3 m is not looked at.",
+        unit="m",
+        limits=(0.0, 20.0),
+    )
     length: float = parameter(30.0, "Length of the view along the road.", unit="m", limits=(10.0, 100.0))
     width: float = parameter(16.0, "Width of the view, half to each side.", unit="m", limits=(4.0, 40.0))
     forward_resolution: float = parameter(0.25, "Cell length.", unit="m", limits=(0.02, 1.0))

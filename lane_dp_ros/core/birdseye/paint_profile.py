@@ -89,8 +89,9 @@ class PaintProfile:
 def paint_gain(paint: Floats, blank_cost: float) -> Floats:
     """Return what a metre of line adds to its score [net metres of paint] where it sees so much `paint`.
 
-    The score of a line, everywhere, is the sum of this over its length: of `paint` in [0, 1], by whatever
-    measure, less what blank road costs. A path pays for its slope and bends on top.
+    The score of a line is the sum of this over its length. Each proposer has a `paint` in [0, 1] of its own:
+    the feature under a path or half a line, whether a dash is there, for parallels an averaged contrast.
+    A path pays for its slope and bends on top.
     """
     return np.asarray(paint - blank_cost)
 

@@ -33,7 +33,7 @@ class DisparityMap:
     def at(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float32]:
         """Return the disparity [px] of pixels (N,), NaN where there is none."""
         height, width = self.matched.shape
-        scale = height / max(self.shape[0] - self.first, 1), width / self.shape[1]
+        scale = height / max(self.shape[0] - self.first, 1), width / max(self.shape[1], 1)
         row = ((rows - self.first) * scale[0] + EPSILON).astype(np.intp)
         cells = row * width + (columns * scale[1] + EPSILON).astype(np.intp)
         found = self.matched.ravel().take(cells, mode="clip")

@@ -27,7 +27,7 @@ RIDGE = np.diag([1e-6, 50.0])  # m of paint, times m^2: without need the curvatu
 class AxisRefinementConfig(Parameters):
     """When the paint that was found turns the road's axis."""
 
-    askew_min: float = parameter(
+    slope_min: float = parameter(
         0.08,
         "Lateral over forward; lines less oblique are found well enough.",
         limits=(0.0, 0.5),
@@ -73,7 +73,7 @@ class AxisRefinement:
         if not heard:
             return None
         middle = _weighted_median([float(slopes[i].mean()) for i in heard], [weights[i] for i in heard])
-        if abs(middle) < self._config.askew_min:
+        if abs(middle) < self._config.slope_min:
             return None
         s, slope = (np.concatenate([of[i] for i in heard]) for of in ([line.s for line in lines], slopes))
         weight = np.concatenate([np.full(len(slopes[i]), weights[i] / len(slopes[i])) for i in heard])

@@ -17,9 +17,14 @@ MIN_RADIUS = 0.1  # of the axis's; a line nearer to the centre of the bend is no
 DOUBT, SURE = 0.15, 10.0  # share of wrong lines among the weakest; m of paint that leave 1/e of the doubt
 
 
+def left_to_right(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates in the order in which they lie at their nearest points."""
+    return sorted(candidates, key=lambda candidate: float(candidate.line.n[0]))
+
+
 def to_lanes(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[Lane, ...]:
     """Return the lanes of candidates, from left to right."""
-    ordered = sorted(candidates, key=lambda candidate: float(candidate.line.n[0]))
+    ordered = left_to_right(candidates)
     roles = ego_roles([float(candidate.line.n[0]) for candidate in ordered])
     return tuple(_lane(candidate, view, role) for candidate, role in zip(ordered, roles, strict=True))
 

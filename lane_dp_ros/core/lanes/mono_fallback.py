@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.lanes.candidate import Candidate
+from lane_dp_ros.core.lanes.lifting import left_to_right, to_lanes
 from lane_dp_ros.core.parameter import Parameters, parameter
-from lane_dp_ros.core.types import Lane
+from lane_dp_ros.core.types import Lane, with_roles
 
 SAME_LINE = 0.3  # m; from one frame to the next a line moves aside by less
 SHARED, SAMPLES = 3.0, 10  # m of depth that two lines must share to be compared there
@@ -67,14 +69,14 @@ class MonoFallbackConfig(Parameters):
         limits=(0.5, 30.0),
         expert=True,
     )
-    beside_min: float = parameter(
+    gap_min: float = parameter(
         0.75,
         "So far outside another line runs a kerb or a rail, no lane ends there.",
         unit="m",
         limits=(0.1, 3.0),
         expert=True,
     )
-    beside_max: float = parameter(
+    gap_max: float = parameter(
         2.4,
         "Up to so far.",
         unit="m",
@@ -89,28 +91,43 @@ class MonoFallbackConfig(Parameters):
     )
 
 
+def mono_lanes(
+    candidates: Sequence[Candidate],
+    view: BirdsEyeView,
+    known: Sequence[Lane] | None,
+    config: MonoFallbackConfig,
+) -> tuple[tuple[Lane, ...], tuple[Candidate, ...]]:
+    """Return the lanes of candidates whose heights are not known, and the candidates that are none after all.
+
+    What may well be something else has little confidence, and is a lane only where it continues a `known` one
+    of the frame before (None: nothing is followed over time, all are lanes). Both go from left to right.
+    """
+    ordered = left_to_right(candidates)
+    lanes = without_heights(to_lanes(ordered, view), ordered, config)
+    kept = [known is None or is_kept(lane, known, config) for lane in lanes]
+    doubted = [candidate for candidate, keep in zip(ordered, kept, strict=True) if not keep]
+    reason = "may be a kerb or a rail: its height is not known, nor was there a lane before"
+    lanes = tuple(lane for lane, keep in zip(lanes, kept, strict=True) if keep)
+    return with_roles(lanes), tuple(candidate.refused(reason) for candidate in doubted)
+
+
 def without_heights(
     lanes: Sequence[Lane], candidates: Sequence[Candidate], config: MonoFallbackConfig
 ) -> tuple[Lane, ...]:
-    """Return the lanes of candidates, those with little confidence that may well be something else.
-
-    `lanes` are sorted from left to right, `candidates` are not.
-    """
-    ordered = sorted(candidates, key=lambda candidate: float(candidate.line.n[0]))
-    starts = [float(candidate.line.n[0]) for candidate in ordered]
+    """Return the lanes of candidates, from left to right, with little confidence in what may be no paint."""
+    starts = [float(candidate.line.n[0]) for candidate in candidates]
     doubted = config.doubted_confidence
     return tuple(
         lane
         if _looks_like_paint(candidate, starts, config)
         else replace(lane, confidence=min(lane.confidence, doubted))
-        for lane, candidate in zip(lanes, ordered, strict=True)
+        for lane, candidate in zip(lanes, candidates, strict=True)
     )
 
 
-def going_on(lanes: Sequence[Lane], known: Sequence[Lane], config: MonoFallbackConfig) -> tuple[Lane, ...]:
-    """Return the lanes that are not doubted, or go on with a `known` one of the frame before."""
-    sure = config.doubted_confidence
-    return tuple(lane for lane in lanes if lane.confidence > sure or any(_is_same(lane, k) for k in known))
+def is_kept(lane: Lane, known: Sequence[Lane], config: MonoFallbackConfig) -> bool:
+    """Return whether a lane is not doubted, or continues one that was `known` in the frame before."""
+    return lane.confidence > config.doubted_confidence or any(_is_same(lane, each) for each in known)
 
 
 def _is_same(a: Lane, b: Lane) -> bool:
@@ -133,5 +150,5 @@ def _looks_like_paint(candidate: Candidate, starts: Sequence[float], config: Mon
         and evidence.texture <= config.texture_max
         and line.s[0] <= config.start_max
         and line.score >= config.score_min
-        and not any(config.beside_min < gap < config.beside_max for gap in inner)
+        and not any(config.gap_min < gap < config.gap_max for gap in inner)
     )

@@ -61,7 +61,7 @@ class PathSearchConfig(Parameters):
         limits=(0.0, 10.0),
         expert=True,
     )
-    apart: float = parameter(
+    separation_min: float = parameter(
         1.2,
         "Paths nearer to a better one of the same pass wait for the next pass; for free ends.",
         unit="m",
@@ -210,7 +210,7 @@ class _FreeEndPasses:
         half = self._cells(self.config.suppression)
         self.reward[_band(rows, np.rint(columns).astype(int), half, self.reward.shape[1])] = CLOSED
         self._mark(self.taken, block, column, self.config.suppression)
-        self._mark(busy, block, column, self.config.apart)
+        self._mark(busy, block, column, self.config.separation_min)
 
     def _mark(
         self, cells: NDArray[np.bool_], rows: NDArray[Any], columns: NDArray[Any], width: float

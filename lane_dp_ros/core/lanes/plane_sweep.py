@@ -48,7 +48,7 @@ NOISE = 0.5  # grey levels; less difference is none
 class PlaneSweepConfig(Parameters):
     """The heights along lines."""
 
-    distinct: float = parameter(
+    distinctness_min: float = parameter(
         0.3,
         "How much, of the least difference, the median of all planes' differences is more; less is chance.",
         limits=(0.0, 2.0),
@@ -91,7 +91,7 @@ def line_heights(
             right[:, :, part],
             np.asarray(seen[:, part].all(axis=1)),
             lines_of_rows,
-            config.distinct,
+            config.distinctness_min,
         )
         for part in PARTS
     ]

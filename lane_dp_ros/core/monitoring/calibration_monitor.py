@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lane_dp_ros.core.geometry.road_geometry import geometry
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
 from lane_dp_ros.core.types import Lane
 
@@ -42,7 +41,7 @@ class Gap(NamedTuple):
     change: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Observation:
     """What one pair showed: its measured road (None for none), its lanes, its row offset where known."""
 

@@ -29,7 +29,7 @@ AXIS_MAX = np.array([0.8, 0.06])  # rad, 1/m; more is no road
 DIRECTION_SIGMA = 0.05  # m, of a point of a line beside a common axis
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FrenetLine:
     """Where a line runs: s (N,) and y (N,) [m], straightened by an axis, and how far `down` (N,) [m].
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.geometry.road_geometry import geometry, surface_of
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry, surface_of
 from lane_dp_ros.core.types import RoadEstimate, RoadGate
 
 NS_PER_S = 1_000_000_000

@@ -19,7 +19,7 @@ SAME_LINE = 0.5  # m; from one frame to the next a line leaves its prediction by
 BARELY = 0.0075  # 1/m; what two offsets tell counts like a share of 3 m at 20 m, see `agreement`
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Detection:
     """A lane of this frame, and its course."""
 

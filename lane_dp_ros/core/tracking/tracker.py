@@ -12,7 +12,7 @@ import numpy as np
 from lane_dp_ros.core.parameter import Parameters, parameter
 from lane_dp_ros.core.tracking.frenet_line import FrenetLine
 from lane_dp_ros.core.tracking.track import Detection, Track, TrackManager
-from lane_dp_ros.core.types import Lane, ego_roles
+from lane_dp_ros.core.types import Lane, with_roles
 
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 FARTHEST = 1000.0  # m
@@ -33,7 +33,7 @@ class TrackingConfig(Parameters):
         limits=(1, 100),
         expert=True,
     )
-    astray_max: float = parameter(
+    heading_deviation_max: float = parameter(
         0.15,
         "No line runs off the road's direction by more.",
         unit="rad",
@@ -47,14 +47,14 @@ class TrackingConfig(Parameters):
         limits=(0.0, 5.0),
         expert=True,
     )
-    touching: float = parameter(
+    merge_distance: float = parameter(
         0.2,
         "Nearer, lines that were seen side by side have merged.",
         unit="m",
         limits=(0.0, 2.0),
         expert=True,
     )
-    doubt: float = parameter(
+    confidence_decay: float = parameter(
         1.0,
         "Share by which a lost line's confidence falls each second; some is left after the longest coasting.",
         unit="1/s",
@@ -81,6 +81,10 @@ class LaneTracker:
         self._stamp_ns: int | None = None
         self._next_id = 0
 
+    def reset(self) -> None:
+        """Forget all lines, but not which ids were given."""
+        self._tracks, self._stamp_ns = TrackManager(), None
+
     def update(self, lanes: Sequence[Lane], stamp_ns: int) -> tuple[Lane, ...]:
         """Return what is to be published for the frame of `stamp_ns`, in the left optical frame.
 
@@ -101,7 +105,7 @@ class LaneTracker:
         others = [self._tracks.tracks[identity] for identity in found]
         lost = [i for i, line in self._lost(found, stamp_ns).items() if _stands(line, others, self.config)]
         coasted = tuple(self._coasted(identity, stamp_ns) for identity in lost)
-        return _with_roles(published + coasted) if strayed or coasted else published
+        return with_roles(published + coasted)
 
     def _predict(self, lanes: Sequence[Lane], stamp_ns: int) -> None:
         """Move what is known on to this frame's time; begin anew when nothing is known or time jumps."""
@@ -123,7 +127,7 @@ class LaneTracker:
         for i, seen in enumerate(sightings):
             if i in ids:
                 found[ids[i]] = seen
-            elif not lost or seen.course.strays(axis) <= self.config.astray_max:
+            elif not lost or seen.course.strays(axis) <= self.config.heading_deviation_max:
                 found[self._next_id] = seen
                 self._next_id += 1
         return found
@@ -168,7 +172,7 @@ class LaneTracker:
         """Return a line that is not seen where it must be by now, with less confidence."""
         line = self._tracks.tracks[identity]
         age = (stamp_ns - line.last_seen_ns) / 1e9
-        confidence = line.lane.confidence * (1 - self.config.doubt * age)
+        confidence = line.lane.confidence * (1 - self.config.confidence_decay * age)
         points = line.course.points(self._tracks.axis)
         return replace(line.lane, points=points, confidence=confidence, lateral_offset=line.offset)
 
@@ -182,12 +186,7 @@ def _stands(line: Track, found: Iterable[Track], config: TrackingConfig) -> bool
     """Whether nothing that is seen contradicts a lost line: nothing new beside it, nothing across it."""
     for other in found:
         aside = line.course.aside(other.course)
-        near = config.touching if other.born_ns <= line.last_seen_ns else config.new_beside
+        near = config.merge_distance if other.born_ns <= line.last_seen_ns else config.new_beside
         if len(aside) and (np.min(np.abs(aside)) < near or np.ptp(np.sign(aside)) > 0):
             return False
     return True
-
-
-def _with_roles(lanes: Sequence[Lane]) -> tuple[Lane, ...]:
-    roles = ego_roles([lane.lateral_offset for lane in lanes])
-    return tuple(replace(lane, role=role) for lane, role in zip(lanes, roles, strict=True))

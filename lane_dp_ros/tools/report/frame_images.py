@@ -17,9 +17,8 @@ from lane_dp_ros.messages.errors import CommandError, one_line
 from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stamp import stamp_from_ros
-from lane_dp_ros.messages.stereo_bag import CAPACITY, find_stereo_topics, read_stereo_pairs
+from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.messages.stereo_pipeline import detect_unaided
-from lane_dp_ros.messages.stereo_sync import StereoSync
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.answers import read_picture
 from lane_dp_ros.tools.evaluation.scores import FrameScore
@@ -95,7 +94,7 @@ def _pairs(
     reader: BagReader, wanted: Callable[[int], bool], config: DetectorConfig
 ) -> Iterator[tuple[int, FrameImages]]:
     """Yield stamp [ns] and images of the stereo pairs that are wanted."""
-    sync = StereoSync(round(NodeConfig().sync_tolerance * 1e9), CAPACITY)
+    sync = sync_of_bag(NodeConfig().sync_tolerance)
     for bag_pair in read_stereo_pairs(reader, find_stereo_topics(reader), sync):
         if wanted(stamp_ns := bag_pair.pair.stamp_ns):
             try:

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lane_dp_ros.core.geometry.road_geometry import geometry, surface_of
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry, surface_of
 from lane_dp_ros.scenes import CAMERA
 
 NOMINAL = RoadSurface.plane(CAMERA, 1.5, 0.0)

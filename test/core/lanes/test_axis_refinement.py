@@ -122,7 +122,7 @@ def test_without_lines_there_is_no_other_axis():
     ("config", "turns"),
     [
         ({}, True),
-        ({"askew_min": 0.28}, False),
+        ({"slope_min": 0.28}, False),
         ({"score_min": 16.0}, False),
     ],
     ids=str,

@@ -11,7 +11,7 @@ import pytest
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
-from lane_dp_ros.core.lanes.mono_fallback import MonoFallbackConfig, going_on, without_heights
+from lane_dp_ros.core.lanes.mono_fallback import MonoFallbackConfig, is_kept, without_heights
 from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
 from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
 from lane_dp_ros.scenes.road import SOLID, UNPAINTED
@@ -41,8 +41,8 @@ def line(n=1.5, score=15.0, start=6.0):
 
 def judged(lines, evidence, config=CONFIG):
     """Return the confidences, in the order of the lines; each is 0.9 before."""
-    candidates = [Candidate(*each) for each in zip(lines, evidence, strict=True)]
     order = np.argsort([each.n[0] for each in lines])
+    candidates = [Candidate(lines[i], evidence[i]) for i in order]
     lanes = [Lane(np.zeros((2, 3)), 0.9, 0.15, "other", 0.0, float(lines[i].n[0])) for i in order]
     found = without_heights(lanes, candidates, config)
     return [found[list(order).index(i)].confidence for i in range(len(lines))]
@@ -108,12 +108,12 @@ def lane_at(x, confidence, first=6.0, last=20.0):
 )
 def test_of_doubted_lines_those_that_go_on_with_a_known_one_are_kept(lane, goes_on):
     known = (lane_at(-1.75, 0.9), lane_at(1.75, 0.3))
-    assert going_on([lane], known, CONFIG) == ((lane,) if goes_on else ())
+    assert is_kept(lane, known, CONFIG) == goes_on
 
 
 def test_where_nothing_is_known_no_doubted_line_is_kept():
     lanes = [lane_at(-1.75, 0.8), lane_at(1.75, DOUBTED)]
-    assert going_on(lanes, (), CONFIG) == (lanes[0],)
+    assert [is_kept(lane, (), CONFIG) for lane in lanes] == [True, False]
 
 
 AT_LIMITS = {
@@ -139,8 +139,8 @@ def test_the_limits_are_those_of_the_configuration(name):
     ("limits", "confidence"),
     [
         ({}, DOUBTED),
-        ({"beside_max": 1.5}, 0.9),
-        ({"beside_min": 2.0}, 0.9),
+        ({"gap_max": 1.5}, 0.9),
+        ({"gap_min": 2.0}, 0.9),
         ({"doubted_confidence": 0.3}, 0.3),
     ],
     ids=str,

@@ -281,7 +281,7 @@ def test_a_free_path_pays_for_its_bends():
 def test_paths_close_to_a_better_one_wait_for_the_next_pass():
     lines = map_of(drawn(20, 25, 50))  # 0.5 m and 2.5 m apart
     assert found_columns(find_paths(lines, replace(FREE, passes=1))) in ([20, 50], [25, 50])
-    assert found_columns(find_paths(lines, replace(FREE, passes=1, apart=0.4))) == [20, 25, 50]
+    assert found_columns(find_paths(lines, replace(FREE, passes=1, separation_min=0.4))) == [20, 25, 50]
 
 
 @pytest.mark.parametrize(("apart", "count"), [(11, 1), (13, 2)])

@@ -188,7 +188,7 @@ def test_the_lines_may_be_more_than_opencv_takes_at_once(grainy_pair):
 @pytest.mark.parametrize(("distinct", "known"), [(0.0, True), (0.3, True), (2.0, False)])
 def test_a_height_must_be_as_distinct_as_it_is_configured(measured, distinct, known):
     """Faint grain, 4 grey levels, in noise of 1."""
-    found = measured(grain=4.0, config=PlaneSweepConfig(distinct=distinct))
+    found = measured(grain=4.0, config=PlaneSweepConfig(distinctness_min=distinct))
     assert np.isfinite([found.line, found.left, found.right]).all() == known
 
 

@@ -9,8 +9,7 @@ import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_geometry import surface_of
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadSurface, surface_of
 from lane_dp_ros.core.monitoring.calibration_monitor import CalibrationMonitor, Observation, lane_gaps
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
 from lane_dp_ros.core.types import Lane, StereoFrame

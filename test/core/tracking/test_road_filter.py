@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_geometry import geometry, surface_of
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry, surface_of
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.scenes import CAMERA
 

@@ -138,8 +138,8 @@ def test_a_frame_without_lanes_is_answered_and_remembered_as_one():
 
 def test_a_line_that_coasts_as_long_as_it_may_keeps_some_confidence():
     """However fast a lost line is doubted: a confidence is more than 0."""
-    doubted = parameters(TrackingConfig())["doubt"].maximum
-    tracker = LaneTracker(TrackingConfig(doubt=doubted, coast_time=0.5))
+    doubted = parameters(TrackingConfig())["confidence_decay"].maximum
+    tracker = LaneTracker(TrackingConfig(confidence_decay=doubted, coast_time=0.5))
     both, one = [lane(-1.75), lane(1.75)], [lane(-1.75)]
     for i in range(8):
         tracker.update(both, START + i * FRAME)

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Variants of a line that compete with it as candidates."""
+"""Variants of lines: gone on, cut, halved, parallel."""

@@ -27,14 +27,14 @@ LEVEL = 0.5  # share of its cells; more do not stand above the road
 class StopLineConfig(Parameters):
     """The stop line of a junction, at which lines end."""
 
-    junction: float = parameter(
+    unpainted_min: float = parameter(
         9.0,
         "Without paint behind a stop line; less is a crossing of rails or for pedestrians.",
         unit="m",
         limits=(2.0, 50.0),
         expert=True,
     )
-    bright: float = parameter(
+    rise_min: float = parameter(
         0.5,
         "Rise of a stop line over the road, as a share of the line's own.",
         limits=(0.0, 2.0),
@@ -57,11 +57,11 @@ def end_at_stop_line(
     gaps = [
         (end, start)
         for (_, end), (start, _) in pairwise(dashes)
-        if (start - end) * per_row >= config.junction
+        if (start - end) * per_row >= config.unpainted_min
     ]
     if not gaps:
         return line
-    bars = _bars(line, painted, view, config.bright)
+    bars = _bars(line, painted, view, config.rise_min)
     for end, _ in gaps:
         if end >= MIN_ROWS and bars[end - 1 : end + round(END / per_row)].any():
             score = float(paint_gain(painted[:end], blank_cost).sum()) * per_row

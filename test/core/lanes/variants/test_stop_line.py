@@ -106,10 +106,10 @@ def test_no_line_is_left_with_too_few_rows_to_be_one(junction, last):
 @pytest.mark.parametrize(
     ("limits", "drawn", "ends"),
     [
-        ({"junction": 12.0}, {}, False),
-        ({"junction": 5.0}, {"beyond": STOP + 6}, True),
-        ({"bright": 0.9}, {"brightness": 0.7 * WHITE}, False),
-        ({"bright": 0.2}, {"brightness": 0.35 * WHITE}, True),
+        ({"unpainted_min": 12.0}, {}, False),
+        ({"unpainted_min": 5.0}, {"beyond": STOP + 6}, True),
+        ({"rise_min": 0.9}, {"brightness": 0.7 * WHITE}, False),
+        ({"rise_min": 0.2}, {"brightness": 0.35 * WHITE}, True),
     ],
     ids=str,
 )
