@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.camera import camera_info_to_ros
+from lane_dp_ros.messages.camera_infos import CameraInfos
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.image import compressed_image_to_ros, image_to_ros
 from lane_dp_ros.messages.stamp import NS_PER_S, stamp_from_ros, stamp_to_ros
@@ -74,7 +75,10 @@ def _missing(reader: BagReader, wanted: str) -> CommandError:
 
 
 def read_stereo_pairs(reader: BagReader, topics: StereoTopics, sync: StereoSync) -> Iterator[BagPair]:
-    """Yield every pair that `sync` makes, with the last camera infos before it, or else the first ones."""
+    """Yield every pair that `sync` makes, with the camera infos that `CameraInfos` holds for it.
+
+    Before the first ones have come, the first ones serve.
+    """
     for image in _by_stamp(_images(reader, topics)):
         if pair := sync.add(image.side, image.stamp_ns, image.message):
             yield BagPair(pair, image.infos, image.time_ns)
@@ -97,15 +101,20 @@ class _Image(NamedTuple):
 
 def _images(reader: BagReader, topics: StereoTopics) -> Iterator[_Image]:
     """Yield the images in the order in which they were recorded."""
-    infos = {side: next(reader.messages([topic]))[2] for side, topic in topics.infos.items()}
+    infos = CameraInfos()
+    for side, topic in topics.infos.items():
+        _, time_ns, message = next(reader.messages([topic]))
+        infos.hear(side, message, time_ns / NS_PER_S)
     info_sides = {topic: side for side, topic in topics.infos.items()}
     image_sides = {topic: side for side, topic in topics.images.items()}
     for topic, time_ns, message in reader.messages([*image_sides, *info_sides]):
         if topic in info_sides:
-            infos[info_sides[topic]] = message
+            infos.hear(info_sides[topic], message, time_ns / NS_PER_S)
         else:
+            both = infos.both(time_ns / NS_PER_S)
+            assert both is not None  # both sides were heard above
             stamp_ns = stamp_from_ros(message.header.stamp)
-            yield _Image(stamp_ns, image_sides[topic], message, time_ns, (infos["left"], infos["right"]))
+            yield _Image(stamp_ns, image_sides[topic], message, time_ns, both)
 
 
 def _by_stamp(images: Iterable[_Image]) -> Iterator[_Image]:

@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-from lane_dp_ros.ros.camera_infos import CameraInfos
+from lane_dp_ros.messages.camera_infos import CameraInfos
 
 
 def info(fx, stamp=0):
