@@ -16,10 +16,10 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+from lane_dp_ros.messages.camera_infos import CameraInfos
 from lane_dp_ros.messages.errors import one_line
 from lane_dp_ros.messages.stamp import NS_PER_S, stamp_from_ros
 from lane_dp_ros.messages.stereo_sync import RIGHT_SILENT_AFTER_NS, SIDES, Side, StereoPair, StereoSync
-from lane_dp_ros.messages.camera_infos import CameraInfos
 from lane_dp_ros.ros.diagnostics import Topics
 
 EARLY_MAX = 1.0  # s; a pair that waited longer for the first CameraInfo is stale

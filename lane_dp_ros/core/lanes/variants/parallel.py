@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, paint_gain
 from lane_dp_ros.core.dp.robust_fit import tukey_fit
 from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.parameter import Parameters, check_order, parameter
 
@@ -93,10 +94,12 @@ def parallel_lines(
         if score[column] < config.score_min:
             break
         gaps = [abs(n - other) for other in offsets]
+        rows = len(view.s) - 1 - np.arange(first[column], last[column] + 1)
+        if len(rows) < MIN_ROWS:
+            continue
         if any(0 < side * n < config.ego_max for side in missing) and (
             selection.lane_width_min <= min(gaps) <= selection.lane_width_max
         ):
-            rows = len(view.s) - 1 - np.arange(first[column], last[column] + 1)
             found.append(_fitted(paint, rows, n + shape[rows], float(score[column])))
             offsets.append(float(n))
             missing = [side for side in missing if side * n < 0]

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
+from lane_dp_ros.core.lanes.variants import parallel
 from lane_dp_ros.core.lanes.variants.parallel import ParallelConfig, best_stretches, parallel_lines
 
 CONFIG, SELECTION = ParallelConfig(), LaneSelectionConfig()
@@ -153,3 +155,15 @@ def test_a_lane_is_as_wide_as_the_selection_lets_it_be(painted_road, limits, fou
     """The lines are 3.45 m apart."""
     road = painted_road().line(-1.725).line(1.725, brightness=FAINT)
     assert len(look(road, -1.725, selection=LaneSelectionConfig(**limits))) == found
+
+
+@pytest.mark.parametrize(("rows", "found"), [(MIN_ROWS - 1, 0), (MIN_ROWS, 1)])
+def test_as_many_rows_as_a_fit_needs_are_wanted(painted_road, monkeypatch, rows, found):
+    """Where rows are long, a stretch of one or two scores enough."""
+
+    def short(gain):
+        score, first, _ = best_stretches(gain)
+        return score, first, first + rows - 1
+
+    monkeypatch.setattr(parallel, "best_stretches", short)
+    assert len(look(painted_road().line(-1.725).line(1.725, brightness=FAINT), -1.725)) == found
