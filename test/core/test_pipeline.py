@@ -275,6 +275,19 @@ def test_lines_that_no_measured_road_bore_are_not_known(frames, priors):
     assert {lane.id for lane in priors[3].lanes} == {lane.id for lane in results[2].lanes}
 
 
+@pytest.mark.parametrize(("width", "goes_on"), [(16.0, True), (9.0, False)])
+def test_a_lost_line_goes_on_only_within_the_view(frames, width, goes_on):
+    """The outermost line is 5 m left of the camera."""
+    pipeline, lost = LanePipeline(), replaced(BLIND, {"birds_eye.width": width})
+    *_, before = follow(tenths(frames[:5]), pipeline)
+    (after,) = follow([(START + 5 * TENTH, frames[5])], pipeline, lost)
+    outermost, *inner = sorted(before.lanes, key=lambda lane: lane.lateral_offset)
+    assert -6 < outermost.lateral_offset < -4.6
+    found = {lane.id for lane in after.lanes}
+    assert (outermost.id in found) == goes_on
+    assert found >= {lane.id for lane in inner}
+
+
 def test_once_tracking_is_off_no_axis_is_remembered(frames, priors):
     pipeline, off = LanePipeline(), replaced(CONFIG, {"tracking.enabled": False})
     follow([(START, frames[0])], pipeline)

@@ -161,10 +161,13 @@ def test_a_line_that_grass_covers_is_not_sure():
     assert [label.sure for label in labels] == [False, True, True]
 
 
-def test_a_line_behind_a_thing_ends_there():
+@pytest.mark.parametrize("striped", [False, True])
+def test_a_line_behind_a_thing_ends_there(striped):
+    """Though the thing should bear stripes just where the line would be."""
     view, surface, picture = left_view(Scene(Road(swing=0)))
     rows = np.s_[: int(CAMERA.cy + CAMERA.fy * 1.65 / 15), :]  # as a lorry 15 m ahead would stand
-    surface.paint[rows] = 0
+    if not striped:
+        surface.paint[rows] = 0
     surface.depth[rows] = 15
     labels, _ = lane_labels(view, surface, picture)
     assert max(label.xz[-1, 1] for label in labels) < 15.5
@@ -175,6 +178,13 @@ def test_the_lines_beside_the_vehicle_change_with_the_lane():
     for lateral, egos in ((3.5, ("line2", "line3")), (-3.4, ("line0", "line1"))):
         truth = render_frame(Scene(road, motion=Motion(lateral=lateral)), 0, 1).truth
         assert (truth.ego_left, truth.ego_right) == egos
+
+
+@pytest.mark.parametrize("pitch", [-0.03, 0.0, 0.03])
+def test_what_is_far_ahead_and_as_high_as_the_camera_stands_on_the_horizon(pitch):
+    view = View(CAMERA, SIZE, Course(Road(swing=0), 50.0), Pose(pitch=pitch), 0.0, 1, 0.0)
+    (_, row), *_ = view.pixels([view.origin + [0, 0, 1e6]])
+    assert view.horizon == pytest.approx(row)
 
 
 def test_a_camera_that_looks_aside_keeps_the_truth_on_the_road():
