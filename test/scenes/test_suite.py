@@ -183,7 +183,7 @@ def test_the_lines_beside_the_vehicle_change_with_the_lane():
 @pytest.mark.parametrize("pitch", [-0.03, 0.0, 0.03])
 def test_what_is_far_ahead_and_as_high_as_the_camera_stands_on_the_horizon(pitch):
     view = View(CAMERA, SIZE, Course(Road(swing=0), 50.0), Pose(pitch=pitch), 0.0, 1, 0.0)
-    (_, row), *_ = view.pixels([view.origin + [0, 0, 1e6]])
+    (_, row), *_ = view.pixels([view.origin + np.array([0, 0, 1e6])])
     assert view.horizon == pytest.approx(row)
 
 
