@@ -13,10 +13,13 @@ from lane_dp_ros.core.parameter import Parameter, Parameters, Value, parameter, 
 
 # Names of before, which are taken for one release.
 RENAMED = {
+    "lane_graph.feature": "paint_map.feature",
+    "lane_graph.edge_weight": "paint_map.edge_weight",
+    "lane_graph.contrast_min": "paint_map.contrast_min",
+    "lane_graph.contrast_max": "paint_map.contrast_max",
     "tracking.bridge_time": "tracking.coast_time",
     "lane_selection.roughness_max": "lane_selection.texture_max",
 }
-RENAMED_STAGES = {"lane_graph": "paint_map"}
 EVERY_NODE = ("use_sim_time", "start_type_description_service")  # ROS gives these to every node
 
 
@@ -56,13 +59,12 @@ def with_current_names(values: Mapping[str, Any]) -> tuple[dict[str, Any], list[
     old = {name: value for name, value in values.items() if current_name(name) != name}
     for name, value in old.items():
         current.setdefault(current_name(name), value)
-    return current, [f"{name} is {current_name(name)} now; the old name will be refused" for name in old]
+    return current, [f"{name} is {current_name(name)} now, take that name" for name in old]
 
 
 def current_name(name: str) -> str:
     """Return what a parameter is called today."""
-    stage, dot, field = name.partition(".")
-    return RENAMED.get(name, f"{RENAMED_STAGES.get(stage, stage)}{dot}{field}")
+    return RENAMED.get(name, name)
 
 
 def is_of_ros(name: str) -> bool:

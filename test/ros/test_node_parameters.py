@@ -103,3 +103,9 @@ def test_values_that_only_go_together_can_be_given_together(make_rig):
     assert not rig.node.set_parameters(changed[:1])[0].successful
     assert rig.node.set_parameters_atomically(changed).successful
     rig.assert_lives()
+
+
+def test_a_value_under_an_old_name_counts(make_rig):
+    rig = make_rig(parameter_overrides=[Parameter("tracking.bridge_time", value=0.3)])
+    assert rig.node.get_parameter("tracking.coast_time").value == 0.3
+    assert not rig.node.has_parameter("tracking.bridge_time")

@@ -108,3 +108,14 @@ def test_a_misspelt_parameter_is_named(start, make_rig):
     code, errors = ended(process)
     assert code == 0
     assert "ignored: disparity.disparty_range" in errors
+
+
+def test_old_names_of_parameters_are_named_too(start, make_rig):
+    process = start("-p", "tracking.bridge_time:=0.3", "-p", "lane_graph.contrast_min:=0.4")
+    make_rig(with_node=False)
+    process.send_signal(signal.SIGINT)
+    code, errors = ended(process)
+    assert code == 0
+    assert "Parameter tracking.bridge_time is tracking.coast_time now, take that name" in errors
+    assert "Parameter lane_graph.contrast_min is paint_map.contrast_min now, take that name" in errors
+    assert "ignored" not in errors

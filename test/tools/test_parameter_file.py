@@ -109,6 +109,33 @@ def test_a_file_may_give_a_few_values_on_top_of_a_preset(tmp_path: Path) -> None
     assert load_config("default", None)[1].vanishing_point.method == "arc"
 
 
+OLD_NAMES = {  # with another value than the default's
+    "lane_graph.feature": ("paint_map.feature", "edges_and_grey"),
+    "lane_graph.edge_weight": ("paint_map.edge_weight", 0.5),
+    "lane_graph.contrast_min": ("paint_map.contrast_min", 0.3),
+    "lane_graph.contrast_max": ("paint_map.contrast_max", 2.5),
+    "lane_selection.roughness_max": ("lane_selection.texture_max", 0.3),
+    "tracking.bridge_time": ("tracking.coast_time", 0.4),
+}
+
+
+@pytest.mark.parametrize("old", OLD_NAMES)
+def test_an_old_name_is_taken_with_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture, old: str) -> None:
+    new, value = OLD_NAMES[old]
+    stage, field = old.split(".")
+    path = tmp_path / "old.yaml"
+    path.write_text(f"/**: {{ros__parameters: {{{stage}: {{{field}: {value}}}}}}}")
+    _, detector = load_config("default", path)
+    assert detector == replaced(DetectorConfig(), {new: value}) != DetectorConfig()
+    assert capsys.readouterr().err == f"lane_dp: {path}: {old} is {new} now, take that name\n"
+
+
+def test_of_an_old_name_and_that_of_today_the_latter_counts(tmp_path: Path) -> None:
+    path = tmp_path / "both.yaml"
+    path.write_text("/**: {ros__parameters: {tracking: {coast_time: 0.3, bridge_time: 0.4}}}")
+    assert load_config("default", path)[1].tracking.coast_time == 0.3
+
+
 def test_what_a_running_node_has_can_be_kept_in_a_file(tmp_path: Path) -> None:
     """As `ros2 param dump` writes it: with the parameters of ROS itself, names nested at their dots."""
     context = Context()
@@ -142,6 +169,8 @@ def test_what_a_running_node_has_can_be_kept_in_a_file(tmp_path: Path) -> None:
         ("/**: {parameters: {}}", "is no ROS parameter file"),
         ("a: {ros__parameters: {}}\nb: {ros__parameters: {}}", "is no ROS parameter file"),
         ("/**: {ros__parameters: {no_such: 1}}", "no_such: no such parameter"),
+        ("/**: {ros__parameters: {lane_graph: {no_such: 1}}}", "lane_graph.no_such: no such parameter"),
+        ("/**: {ros__parameters: {tracking: {bridge_time: -1.0}}}", "tracking.coast_time: got -1.0"),
         ("/**: {ros__parameters: {sync_tolerance: 9.0}}", "sync_tolerance: got 9.0, expected 0 to 0.5"),
         ("/**: {ros__parameters: {disparity: {P1: many}}}", "disparity.P1: got 'many'"),
     ],
