@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.road.disparity import SPECKLE_RANGE, DisparityConfig
+from lane_dp_ros.core.road.disparity import DisparityConfig, stereo_matcher
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.tools.progress import progress
 
@@ -85,17 +85,7 @@ def measure(pairs: Sequence[CameraPair], rounds: int) -> Timings:
 
 def sgbm(config: DisparityConfig) -> cv2.StereoSGBM:
     """Return the matcher of a configuration, but for the full resolution."""
-    return cv2.StereoSGBM.create(
-        minDisparity=0,
-        numDisparities=DISPARITIES,
-        blockSize=config.correlation_window_size,
-        P1=config.P1,
-        P2=config.P2,
-        uniquenessRatio=config.uniqueness_ratio,
-        speckleWindowSize=config.speckle_size,
-        speckleRange=SPECKLE_RANGE,
-        mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
-    )
+    return stereo_matcher(replace(config, downscale=1, disparity_range=DISPARITIES))
 
 
 def _seconds(work: Callable[..., object], *arguments: object) -> float:

@@ -70,6 +70,7 @@ def without_implied(found: Arrows) -> Arrows:
     """Return the arrows without those that go where others lead as well."""
 
     def reached(room: str) -> set[str]:
+        """Return all rooms that arrows lead to from a room."""
         return found[room].union(*(reached(each) for each in found[room]))
 
     return {

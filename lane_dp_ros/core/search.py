@@ -125,6 +125,7 @@ class LaneSearch:
         selection, bend = self._config.lane_selection, paint.view.axis.curvature
 
         def needs(line: LaneLine, evidence: LaneEvidence) -> bool:
+            """Return whether the line's height would decide, too."""
             return selection.evidence and needs_height(line, evidence, selection)
 
         measured = measure(lines, paint, frame, self._config.plane_sweep, needs)

@@ -73,7 +73,7 @@ def _match(
     rows, columns = left.shape
     size = columns // config.downscale, rows // config.downscale
     window = config.correlation_window_size
-    matcher = _matcher(config)
+    matcher = stereo_matcher(config)
     searched = matcher.getMinDisparity() + matcher.getNumDisparities()
     if min(size) < window + 2 or size[0] <= searched + window:  # OpenCV 4.6 aborts the process
         return None
@@ -85,7 +85,8 @@ def _match(
     return matched
 
 
-def _matcher(config: DisparityConfig) -> cv2.StereoSGBM:
+def stereo_matcher(config: DisparityConfig) -> cv2.StereoSGBM:
+    """Return the matcher (Hirschmueller, PAMI 2008), for images that are 1/downscale of the full size."""
     scale = config.downscale
     return cv2.StereoSGBM.create(
         minDisparity=0,
