@@ -66,6 +66,7 @@ def _mirrored_truth(frame: LabelledFrame) -> LabelledFrame:
         frame,
         camera=camera,
         ground=np.array([g0, g1, g2, -g3]),
+        profile=None,
         labels=tuple(_mirrored_label(label, frame, camera) for label in frame.labels),
         ego_left=frame.ego_right,
         ego_right=frame.ego_left,
@@ -79,7 +80,7 @@ def _mirrored_label(label: Label, frame: LabelledFrame, camera: StereoCamera) ->
     disparity = g0 + g1 * n + g2 * n**2 + g3 * m
     uv = np.column_stack([camera.cx - (100 * m - disparity), label.uv[:, 1]])
     xz = np.column_stack([frame.camera.baseline - label.xz[:, 0], label.xz[:, 1]])
-    return replace(label, uv=uv, xz=xz)
+    return replace(label, uv=uv, xz=xz, xyz=None)
 
 
 def _renamed(pair: JudgedPair, how: str) -> JudgedPair:

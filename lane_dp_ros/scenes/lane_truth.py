@@ -103,7 +103,14 @@ def _seen(
     kind: Kind = "dashed" if line.painted == "dashed" else "solid"
     begins = float(s[part][0])
     beside = float(np.interp(max(EGO_AT, begins), s, aside)) - view.pose.lateral
-    return _Seen(begins, beside, Label(f"line{number}", kind, sure, uv[part], xz))
+    return _Seen(begins, beside, Label(f"line{number}", kind, sure, uv[part], xz, _exact(points[part])))
+
+
+def _exact(points: Floats) -> Floats:
+    """Return every second of points (N, 3), N > 1, and the last, as far as their depth rises."""
+    chosen = points[np.unique([*range(0, len(points), 2), len(points) - 1])]
+    deepest = np.maximum.accumulate(chosen[:, 2])
+    return chosen[np.append(True, chosen[1:, 2] > deepest[:-1])]
 
 
 def _is_in_sight(view: View, surface: Surface, points: Floats, uv: Floats, line: Line) -> Mask:

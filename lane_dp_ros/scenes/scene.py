@@ -17,6 +17,7 @@ from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.objects import SceneObject
 from lane_dp_ros.scenes.rendering import render
 from lane_dp_ros.scenes.road import Road
+from lane_dp_ros.scenes.road_ahead import profile_ahead
 from lane_dp_ros.scenes.sensor import Sensor, expose
 from lane_dp_ros.scenes.view import Pose, View
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
@@ -122,6 +123,7 @@ def render_frame(
         ego_right=egos[1],
         stamp_ns=stamp_ns,
         category=category,
+        profile=profile_ahead(views[0]),
     )
     return ScenePair(left, right, stamp_ns, _lane_lines(views[0]), truth)
 

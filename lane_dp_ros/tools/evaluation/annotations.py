@@ -27,6 +27,7 @@ class Label:
 
     Both run along the centre of the paint; `xz` with rising z. `id` stays the same along a sequence.
     `sure` is False where a careful person could not tell whether, or where exactly, there is a line.
+    `xyz` (K, 3) [m], where it is known, are its exact points in the left optical frame, with rising z.
     """
 
     id: str
@@ -34,6 +35,7 @@ class Label:
     sure: bool
     uv: Floats
     xz: Floats
+    xyz: Floats | None = None
 
     @property
     def painted(self) -> bool:
@@ -59,6 +61,11 @@ class Label:
         return np.column_stack([np.interp(z, self.xz[:, 1], self.xz[:, 0]), z])
 
     @property
+    def in_space(self) -> Floats:
+        """Return points (x, z) (N, 2) [m] of it in the world: the exact ones, else those on the ground."""
+        return self.xz if self.xyz is None else self.xyz[:, [0, 2]]
+
+    @property
     def _judged(self) -> tuple[float, float]:
         low, high = JUDGED_DEPTHS
         return max(low, float(self.xz[0, 1])), min(high, float(self.xz[-1, 1]))
@@ -72,7 +79,8 @@ class LabelledFrame:
     m = (u - cx) / 100. `camera` is the labels' own: its frame is centred on the left camera.
     `size` [px] is the images' width and height. A frame of a bag has `stamp_ns`, one of loose images has the
     paths `left` and `right` below a data folder. `sequence` defaults to the folders of the name; `drive` is
-    the road that it belongs to where the sequence holds several.
+    the road that it belongs to where the sequence holds several. `profile` (N, 2), where it is known, tells
+    what no quadratic can: for rising depths z [m] the exact row v [px] of the road straight ahead, at u = cx.
     """
 
     name: str
@@ -89,6 +97,7 @@ class LabelledFrame:
     category: str = ""
     drive: str = ""
     note: str = ""
+    profile: Floats | None = None
 
     def __post_init__(self) -> None:
         if not self.sequence:
@@ -99,6 +108,26 @@ class LabelledFrame:
     def ego_ids(self) -> tuple[str, ...]:
         """The ids of the lines left and right of the vehicle, where there are any."""
         return tuple(side for side in (self.ego_left, self.ego_right) if side is not None)
+
+    def rows_ahead(self, depths: ArrayLike) -> Floats:
+        """Return the rows v (N,) [px], at u = cx, in which the road has the `depths` (N,) [m].
+
+        By the exact profile where it is known, else by the ground. NaN outside the image, beyond the profile,
+        and where the ground has no such depth.
+        """
+        z = np.asarray(depths, dtype=np.float64)
+        rows = self._rows_of_ground(z) if self.profile is None else _rows_of_profile(self.profile, z)
+        width, height = self.size
+        with np.errstate(invalid="ignore"):
+            inside = (rows >= 0) & (rows <= height - 1) & (0 <= self.camera.cx <= width - 1)
+        return np.where(inside, rows, np.nan)
+
+    def _rows_of_ground(self, z: Floats) -> Floats:
+        """Return the root of the quadratic on the road's side."""
+        camera, (g0, g1, g2, _) = self.camera, self.ground
+        c = g0 - camera.fx * camera.baseline / z
+        with np.errstate(invalid="ignore"):
+            return np.asarray(camera.cy - 100 * 2 * c / (g1 + np.sqrt(g1 * g1 - 4 * g2 * c)))
 
     def on_ground(self, pixels: ArrayLike) -> Floats:
         """Return (x, z) [m] of pixels (N, 2) on the label's ground, without those above the horizon."""
@@ -111,6 +140,12 @@ class LabelledFrame:
         return np.column_stack([(uv[below, 0] - camera.cx) * z / camera.fx, z])
 
 
-def by_depth(xz: Floats) -> Floats:
-    """Return points (x, z) (N, 2), sorted by z."""
-    return xz[np.argsort(xz[:, 1], kind="stable")]
+def by_depth(points: Floats) -> Floats:
+    """Return points (x, z) (N, 2) or (x, y, z) (N, 3), sorted by z."""
+    return points[np.argsort(points[:, -1], kind="stable")]
+
+
+def _rows_of_profile(profile: Floats, z: Floats) -> Floats:
+    """Return the rows between those of a profile (N, 2); on a flat road they are linear in 1 / z."""
+    known, rows = profile[::-1].T
+    return np.interp(1 / z, 1 / known, rows, left=np.nan, right=np.nan)

@@ -19,6 +19,7 @@ from lane_dp_ros.tools.evaluation.annotations import KINDS, Kind, Label, Labelle
 __all__ = ["KINDS", "Kind", "Label", "LabelledFrame", "by_depth", "load_truth", "save_truth"]
 
 Floats = NDArray[np.float64]
+_SHAPES = {(4,): "4 numbers", (-1, 2): "[a, b] points", (-1, 3): "[a, b, c] points"}
 CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
 TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
@@ -72,6 +73,9 @@ def _frame_text(frame: LabelledFrame) -> str:
         "ego_left": frame.ego_left,
         "ego_right": frame.ego_right,
     }
+    if frame.profile is not None:
+        digits = zip((METRE_DIGITS, PIXEL_DIGITS), frame.profile.T, strict=True)
+        fields["profile"] = np.column_stack([np.round(each, n) for n, each in digits]).tolist()
     lanes = ",\n  ".join(_lane_text(label) for label in frame.labels)
     return f'{json.dumps(frame.name)}: {json.dumps(fields)[:-1]}, "lanes": [\n  {lanes}]}}'
 
@@ -81,6 +85,8 @@ def _lane_text(label: Label) -> str:
         "uv": np.round(label.uv, PIXEL_DIGITS).tolist(),
         "xz": np.round(label.xz, METRE_DIGITS).tolist(),
     }
+    if label.xyz is not None:
+        points["xyz"] = np.round(label.xyz, METRE_DIGITS).tolist()
     return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **points})
 
 
@@ -104,6 +110,7 @@ def _frame(name: str, fields: Any) -> LabelledFrame:
             ground=_numbers(fields["ground"], (4,), "ground"),
             labels=tuple(map(_label, fields["lanes"])),
             stamp_ns=None if fields.get("stamp_ns") is None else int(fields["stamp_ns"]),
+            profile=_profile(fields),
             **{side: fields[side] for side in ("ego_left", "ego_right")},
             **{name: str(fields.get(name, "")) for name in TEXT_FIELDS},
         )
@@ -128,16 +135,28 @@ def _label(fields: dict[str, Any]) -> Label:
     uv, xz = (_numbers(fields[key], (-1, 2), f"{where}: {key}") for key in ("uv", "xz"))
     if len(xz) < 2:
         raise ValueError(f"{where}: xz has {len(xz)} points, expected at least 2")
-    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz))
+    xyz = None if fields.get("xyz") is None else _numbers(fields["xyz"], (-1, 3), f"{where}: xyz")
+    if xyz is not None and len(xyz) < 2:
+        raise ValueError(f"{where}: xyz has {len(xyz)} points, expected at least 2")
+    exact = None if xyz is None else by_depth(xyz)
+    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz), exact)
+
+
+def _profile(fields: dict[str, Any]) -> Floats | None:
+    """Return the exact rows (N, 2) of the road straight ahead, None for a file that does not know them."""
+    if fields.get("profile") is None:
+        return None
+    profile = _numbers(fields["profile"], (-1, 2), "profile")
+    if len(profile) < 2 or profile[0, 0] <= 0 or not np.all(np.diff(profile[:, 0]) > 0):
+        raise ValueError("profile is no list of at least 2 points [z, v] with rising z > 0")
+    return profile
 
 
 def _numbers(values: Any, shape: tuple[int, ...], what: str) -> Floats:
     try:
         numbers = np.array(values, dtype=np.float64).reshape(shape)
     except (TypeError, ValueError):
-        raise ValueError(
-            f"{what} is no list of {'4 numbers' if shape == (4,) else '[a, b] points'}"
-        ) from None
+        raise ValueError(f"{what} is no list of {_SHAPES[shape]}") from None
     if not np.all(np.isfinite(numbers)):
         raise ValueError(f"{what} holds values that are not finite numbers (NaN?)")
     return numbers
