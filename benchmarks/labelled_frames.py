@@ -78,16 +78,16 @@ def answer_pair(file: Path, bag_pair: BagPair) -> FrameAnswer:
     """Detect in a pair of image messages."""
     left, right = stereo_images_from_ros(bag_pair.pair.left, bag_pair.pair.right)
     camera = camera_from_ros(*bag_pair.infos)
-    lanes, seconds = detect(file, left, right, camera)
-    return FrameAnswer(lanes, camera, seconds)
+    return detect(file, left, right, camera)
 
 
-def detect(file: Path, left: Image8, right: Image8, camera: StereoCamera) -> tuple[tuple[Lane, ...], float]:
+def detect(file: Path, left: Image8, right: Image8, camera: StereoCamera) -> FrameAnswer:
     """Return what the function finds as lanes of confidence 1, and the seconds that it takes."""
     start = time.perf_counter()
     polylines = function_of(file)(bgr(left), bgr(right), camera)
     seconds = time.perf_counter() - start
-    return tuple(lane(np.asarray(points, dtype=np.float64)) for points in polylines), seconds
+    lanes = tuple(lane(np.asarray(points, dtype=np.float64)) for points in polylines)
+    return FrameAnswer(lanes, camera, seconds)
 
 
 @cache

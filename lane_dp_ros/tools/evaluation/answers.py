@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.messages.bag import BagReader
@@ -31,7 +32,6 @@ from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.progress import progress
 
 Image8 = NDArray[np.uint8]
-Detect = Callable[[Image8, Image8, StereoCamera], tuple[tuple[Lane, ...], float]]  # lanes, seconds
 
 MARKERS = "visualization_msgs/msg/MarkerArray"
 
@@ -40,12 +40,18 @@ MARKERS = "visualization_msgs/msg/MarkerArray"
 class FrameAnswer:
     """The lanes of one frame, in the left optical frame of `camera` (None: that of the truth).
 
-    `latency` [s] is None where it is not known.
+    `latency` [s] is None where it is not known. `surface` is the road's as measured in this frame, None where
+    none was found; it means nothing where `surface_sought` is False, as of lanes that were recorded.
     """
 
     lanes: tuple[Lane, ...]
     camera: StereoCamera | None = None
     latency: float | None = None
+    surface: RoadSurface | None = None
+    surface_sought: bool = False
+
+
+Detect = Callable[[Image8, Image8, StereoCamera], FrameAnswer]
 
 
 @dataclass(frozen=True)
@@ -143,12 +149,9 @@ def read_picture(path: Path) -> Image8:
     return np.asarray(image, dtype=np.uint8)
 
 
-def detect_pair(
-    detector: DetectorConfig, left: Image8, right: Image8, camera: StereoCamera
-) -> tuple[tuple[Lane, ...], float]:
-    """Return the lanes of a pair by itself, and the computing time [s]."""
-    detection = LaneDetector(camera, detector).detect(StereoFrame(left, right))
-    return detection.lanes, sum(detection.seconds.values())
+def detect_pair(detector: DetectorConfig, left: Image8, right: Image8, camera: StereoCamera) -> FrameAnswer:
+    """Return the lanes and the road's surface of a pair by itself, and the computing time."""
+    return _detected(LaneDetector(camera, detector).detect(StereoFrame(left, right)), camera)
 
 
 def _detect_files(root: Path, detect: Detect, frame: LabelledFrame) -> FrameAnswer:
@@ -156,14 +159,19 @@ def _detect_files(root: Path, detect: Detect, frame: LabelledFrame) -> FrameAnsw
     if (left.shape[1], left.shape[0]) != frame.size:
         came, wanted = f"{left.shape[1]}x{left.shape[0]}", f"{frame.size[0]}x{frame.size[1]}"
         raise CommandError(f"{root / frame.left} is {came}, its frame in the truth {wanted}, expected equal")
-    lanes, seconds = detect(left, right, frame.camera)
-    return FrameAnswer(lanes, frame.camera, seconds)
+    return detect(left, right, frame.camera)
 
 
 def _frame_answer(answer: FrameResult | str) -> FrameAnswer:
     if isinstance(answer, str) or answer.detection is None:
         return FrameAnswer(())
-    return FrameAnswer(answer.lanes, answer.camera, sum(answer.detection.seconds.values()))
+    return replace(_detected(answer.detection, answer.camera), lanes=answer.lanes)
+
+
+def _detected(detection: LaneDetection, camera: StereoCamera | None) -> FrameAnswer:
+    """Return what a detection says of the lanes and the road; its latency is the computing time."""
+    seconds = sum(detection.seconds.values())
+    return FrameAnswer(detection.lanes, camera, seconds, detection.road, surface_sought=True)
 
 
 def _lanes(reader: BagReader, topic: str, message: Any) -> tuple[Lane, ...]:

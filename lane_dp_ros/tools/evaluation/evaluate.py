@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from lane_dp_ros.tools.evaluation.answers import (
     lanes_topic,
     recorded_answers,
 )
+from lane_dp_ros.tools.evaluation.depth import depth_errors
 from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame, load_truth
@@ -146,7 +147,8 @@ def _judged_bag(path: Path, truth: Path, frames: Sequence[LabelledFrame], bag: B
 
 
 def _judged(frame: LabelledFrame, answer: FrameAnswer) -> FrameScore:
-    return judge(frame, answer.lanes, answer.camera or frame.camera, answer.latency)
+    score = judge(frame, answer.lanes, answer.camera or frame.camera, answer.latency)
+    return replace(score, depth=depth_errors(frame, answer.surface)) if answer.surface_sought else score
 
 
 def _span(stamps: Sequence[int] | frozenset[int] | dict[int, LabelledFrame]) -> str:

@@ -12,11 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.evaluation.depth import DEPTHS, DepthErrors, DepthSummary
+from lane_dp_ros.tools.evaluation.lateral import Mean
 from lane_dp_ros.tools.evaluation.reliability import CONFIDENCE_BINS, confidences, reliability
 from lane_dp_ros.tools.evaluation.scores import FrameScore, Match
 from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
 
 FORMAT = "lane_dp evaluation 1"
+SPACE_KEYS = ("near", "far", "at_10", "at_25")
 # JSON key: the summary's attribute
 SUMMARY_KEYS = {
     "frames": "frames",
@@ -104,7 +107,28 @@ def _summary_json(summary: Summary) -> dict[str, Any]:
         **{key: _number(getattr(summary, attribute)) for key, attribute in SUMMARY_KEYS.items()},
         "tusimple": {name: _number(getattr(t, name)) for name in ("accuracy", "fp", "fn")},
         "culane": {"tp": c.tp, "fp": c.fp, "fn": c.fn, "f1": _number(c.f1)},
+        "depth": _depth_json(summary.depth),
+        "error_3d": {key: _mean_json(getattr(summary.in_space, key)) for key in SPACE_KEYS},
     }
+
+
+def _depth_json(depth: DepthSummary) -> dict[str, Any]:
+    curve = depth.curve()
+    columns = (each.tolist() for each in (curve.depths, curve.bias, curve.low, curve.high, curve.counts))
+    return {
+        "frames": depth.frames,
+        "no_surface": depth.no_surface,
+        "bias": {f"{z:g}": _number(depth.bias(z)) for z in DEPTHS},
+        "spread": {f"{z:g}": _number(depth.spread(z)) for z in DEPTHS},
+        "curve": [
+            {"depth": z, "bias": _number(bias), "low": _number(low), "high": _number(high), "frames": count}
+            for z, bias, low, high, count in zip(*columns, strict=True)
+        ],
+    }
+
+
+def _mean_json(mean: Mean) -> dict[str, Any]:
+    return {"mean": _number(mean.value), "lines": mean.count}
 
 
 def _frame_json(result: FrameScore) -> dict[str, Any]:
@@ -117,6 +141,7 @@ def _frame_json(result: FrameScore) -> dict[str, Any]:
         "incorrect": list(result.incorrect),
         "missed": list(result.missed),
         "latency": result.latency,
+        "depth_errors": _depth_errors_json(result.depth),
         "matches": [_match_json(match) for match in result.matches],
         "detections": [
             {"id": d.lane.id, "role": d.lane.role, "confidence": d.lane.confidence, "verdict": d.verdict}
@@ -127,8 +152,14 @@ def _frame_json(result: FrameScore) -> dict[str, Any]:
 
 def _match_json(match: Match) -> dict[str, Any]:
     errors = {"error": match.error, "error_near": match.near, "error_far": match.far}
-    return {"label": match.label, "detection": match.detection, "counts": match.counts, **errors}
+    in_space = {"error_3d_near": match.in_space.near, "error_3d_far": match.in_space.far}
+    return {"label": match.label, "detection": match.detection, "counts": match.counts, **errors, **in_space}
+
+
+def _depth_errors_json(depth: DepthErrors | None) -> list[float | None] | None:
+    """Return the errors at each depth of the curve; null for a frame in which no surface is known."""
+    return None if depth is None or not depth.measured else [_number(error) for error in depth.errors]
 
 
 def _number(value: float) -> float | None:
-    return None if math.isnan(value) else value
+    return value if math.isfinite(value) else None

@@ -10,6 +10,7 @@ is not counted twice.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame, by_depth
+from lane_dp_ros.tools.evaluation.lateral import lateral_errors
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine, Match, Verdict
 from lane_dp_ros.tools.evaluation.tusimple_culane import culane, tusimple, tusimple_rows
 
@@ -43,7 +45,11 @@ def judge(
     lanes = tuple(lanes)
     pixels = [_in_image(lane, camera) for lane in lanes]
     lines = [by_depth(frame.on_ground(uv)) for uv in pixels]
-    matches = _matches(frame.labels, lines)
+    by_id = {label.id: label for label in frame.labels}
+    matches = tuple(
+        replace(match, in_space=lateral_errors(by_id[match.label], lanes[match.detection], camera))
+        for match in _matches(frame.labels, lines)
+    )
     detections = _detections(frame.labels, lanes, lines, matches)
     spare = [line for line, detection in zip(lines, detections, strict=True) if detection.verdict != "match"]
     egos = [label for label in frame.labels if label.id in frame.ego_ids and label.counts]

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation.depth import DepthErrors
+from lane_dp_ros.tools.evaluation.lateral import NOT_COMPARED, LateralErrors
 from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
 
 Floats = NDArray[np.float64]
 Verdict = Literal["match", "false", "duplicate", "ignored"]
-
-NEAR, FAR = (6.0, 12.0), (12.0, 25.0)  # m of depth; 12 m itself is near
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ class Match:
     `depths` (N,) [m] are the label's samples that the detection covers, `errors` (N,) [m] the lateral
     distances there, always >= 0. `position` and `label_position` [m] are where the detection and the label
     run at 10 m of depth, None where either of them does not reach. `counts`: the label had to be found.
+    `in_space` are the lateral distances in the world, without going through the image.
     """
 
     label: str
@@ -55,6 +56,7 @@ class Match:
     errors: Floats
     position: float | None = None
     label_position: float | None = None
+    in_space: LateralErrors = NOT_COMPARED
 
     @property
     def error(self) -> float:
@@ -64,16 +66,12 @@ class Match:
     @property
     def near(self) -> float | None:
         """Mean lateral error [m] from 6 to 12 m of depth, None where no sample lies there."""
-        return self._error_between(*NEAR)
+        return LateralErrors(self.depths, self.errors).near
 
     @property
     def far(self) -> float | None:
         """Mean lateral error [m] beyond 12 m of depth, None where no sample lies there."""
-        return self._error_between(np.nextafter(FAR[0], np.inf), FAR[1])
-
-    def _error_between(self, low: float, high: float) -> float | None:
-        inside = (self.depths >= low) & (self.depths <= high)
-        return float(np.mean(self.errors[inside])) if inside.any() else None
+        return LateralErrors(self.depths, self.errors).far
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +80,8 @@ class FrameScore:
 
     `labels`: ids of the lines that had to be found; `ego_labels`: those of them beside the vehicle, of which
     `incorrect` and `missed` were not. `matches` are all, also those of labels that need not be found.
-    `latency` [s] is None where it is not known; `tusimple` and `culane` are None for a frame without truth.
+    `latency` [s] is None where it is not known; `tusimple` and `culane` are None for a frame without truth;
+    `depth` is None where it is not known what surface was measured, or what the true one is.
     """
 
     name: str
@@ -98,6 +97,7 @@ class FrameScore:
     latency: float | None = None
     tusimple: TuSimple | None = None
     culane: CULane | None = None
+    depth: DepthErrors | None = None
 
     @property
     def false_lanes(self) -> int:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from lane_dp_ros.tools.evaluation.depth import DepthSummary
+from lane_dp_ros.tools.evaluation.lateral import LateralSummary
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.stability import JITTER_FRAMES, id_switches, jitters
 from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
@@ -44,6 +46,8 @@ class Summary:
     latencies: tuple[float, ...] = ()
     tusimple: TuSimple = field(default_factory=TuSimple)
     culane: CULane = field(default_factory=CULane)
+    depth: DepthSummary = field(default_factory=DepthSummary)
+    in_space: LateralSummary = field(default_factory=LateralSummary)
 
     def __add__(self, other: Summary) -> Summary:
         names = [each.name for each in fields(self)]
@@ -154,6 +158,8 @@ def _of_frame(result: FrameScore) -> Summary:
         latencies=() if result.latency is None else (result.latency,),
         tusimple=result.tusimple or TuSimple(),
         culane=result.culane or CULane(),
+        depth=DepthSummary.of(result.depth),
+        in_space=sum((LateralSummary.of(match.in_space) for match in found), LateralSummary()),
     )
 
 
