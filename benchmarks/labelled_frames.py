@@ -124,6 +124,8 @@ def main() -> int:
 def run(arguments: argparse.Namespace) -> None:
     """Judge what the file's function finds; the file is read first, to say at once what it lacks."""
     function_of(arguments.file)
+    if arguments.surface is not None:
+        raise CommandError("--surface judges the road that lane_dp measures: the lanes of a file have none")
     evaluate(arguments, FunctionChoice(jobs=arguments.jobs, file=arguments.file))
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""lane_dp evaluate: the lanes of a bag or of a folder of images judged by labels."""
+"""lane_dp evaluate: the lanes of a bag or of a folder of images judged by labels, or the road's surface."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ def add_command(commands: argparse._SubParsersAction) -> None:
         "judge lanes by labels and print the paper's table: those in a bag, or detected in its images first"
     )
     epilog = (
-        "A bag that carries lanes is judged as recorded. Exit code 1 when a --min... or --max... is missed."
+        "A bag that carries lanes is judged as recorded. Exit code 1 when a --min... or --max... is missed. "
+        "With --surface the depth of the measured road is judged by LiDAR, no lanes."
     )
     command = commands.add_parser("evaluate", help=text, description=text, epilog=epilog)
     add_arguments(command)
@@ -36,11 +37,17 @@ def add_command(commands: argparse._SubParsersAction) -> None:
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add what says which frames to judge, by what, and where the numbers go: the arguments of `evaluate`."""
     command.add_argument(
-        "input", type=Path, metavar="BAG_OR_DIR", help="bag, folder of images, or what lane_dp scenes wrote"
+        "input",
+        type=Path,
+        nargs="?",
+        metavar="BAG_OR_DIR",
+        help="bag, folder of images, or what lane_dp scenes wrote",
     )
     truth = command.add_mutually_exclusive_group()
     truth.add_argument("--truth", type=Path, metavar="FILE", help="the labels, see docs/truth_format.md")
     truth.add_argument("--unpainted", action="store_true", help="no frame of the bag has any paint")
+    layout = "in place of BAG_OR_DIR: image pairs with LiDAR disparity, laid out as KITTI's stereo 2015"
+    truth.add_argument("--surface", type=Path, metavar="DIR", help=layout)
     command.add_argument(
         "--json", type=Path, metavar="FILE", help="write all numbers, see docs/evaluation.md"
     )
@@ -65,9 +72,14 @@ def evaluate(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
     """Judge, print, write; raise CommandError when a threshold is missed."""
     from lane_dp_ros.tools.evaluation.evaluate import evaluate_path, evaluate_unpainted
     from lane_dp_ros.tools.evaluation.summary import summarise
+    from lane_dp_ros.tools.evaluation.surface import evaluate_surface
 
+    if (arguments.input is None) == (arguments.surface is None):
+        raise CommandError("expected either BAG_OR_DIR or --surface DIR: the one thing to judge")
     _check_outputs(arguments)
-    if arguments.unpainted:
+    if arguments.surface is not None:
+        evaluation = evaluate_surface(arguments.surface, choice)
+    elif arguments.unpainted:
         evaluation = evaluate_unpainted(arguments.input, choice)
     else:
         evaluation = evaluate_path(arguments.input, arguments.truth, choice)
@@ -90,15 +102,21 @@ def _check_outputs(arguments: argparse.Namespace) -> None:
 
 def _write(arguments: argparse.Namespace, evaluation: Evaluation, choice: DetectorChoice) -> None:
     from lane_dp_ros.tools.evaluation.json_file import write_json
-    from lane_dp_ros.tools.evaluation.text import tables
-    from lane_dp_ros.tools.report import write_report
+    from lane_dp_ros.tools.evaluation.text import surface_tables, tables
 
-    print(tables(evaluation.results))
+    print((tables if arguments.surface is None else surface_tables)(evaluation.results))
     for note in evaluation.notes:
         print(f"note: {note}")
     if arguments.json is not None:
         write_json(evaluation.results, evaluation.notes, arguments.json)
     if arguments.report is not None:
-        config = choice.load()[1] if choice.given else None
-        page = write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)
-        print(f"report: {page}")
+        print(f"report: {_write_report(arguments, evaluation, choice)}")
+
+
+def _write_report(arguments: argparse.Namespace, evaluation: Evaluation, choice: DetectorChoice) -> Path:
+    from lane_dp_ros.tools.report import write_report, write_surface_report
+
+    if arguments.surface is not None:
+        return write_surface_report(evaluation.results, arguments.surface, arguments.report)
+    config = choice.load()[1] if choice.given else None
+    return write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)

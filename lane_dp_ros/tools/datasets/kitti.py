@@ -63,11 +63,32 @@ def read_raw(folder: Path) -> StereoSequence:
 
 def read_stereo(folder: Path) -> StereoSequence:
     """Find the single pairs image_2/*_10.png, image_3/*_10.png; stamps are 2 s apart."""
-    _cameras(folder, "image_{}", "image_2/*_10.png, image_3/*_10.png and calib_cam_to_cam.txt", (COLOUR,))
-    left, right = _image_pairs([folder / "image_2", folder / "image_3"], "*_10.png")
-    P_left, P_right = _projections(_calib_cam_to_cam(folder), ["P_rect_02", "P_rect_03"])
+    left, right = single_pairs(folder)
+    P_left, P_right = colour_projections(_calib_cam_to_cam(folder))
     stamps = [index * PAIR_SPACING for index in range(len(left))]
     return StereoSequence(left, right, stamps, P_left, P_right)
+
+
+def read_single_pair(left: Path, right: Path) -> StereoSequence:
+    """Return one pair of a folder as `read_stereo` takes it, or with a calibration of its own.
+
+    The official files unpack to calib_cam_to_cam/NNNNNN.txt for image_2/NNNNNN_10.png.
+    """
+    folder = left.parents[1]
+    own = folder / "calib_cam_to_cam" / f"{left.stem.partition('_')[0]}.txt"
+    P_left, P_right = colour_projections(own if own.is_file() else _calib_cam_to_cam(folder))
+    return StereoSequence([left], [right], [0], P_left, P_right)
+
+
+def single_pairs(folder: Path) -> tuple[list[Path], list[Path]]:
+    """Return the left and right pictures image_2/*_10.png, image_3/*_10.png of a folder."""
+    _cameras(folder, "image_{}", "image_2/*_10.png, image_3/*_10.png and calib_cam_to_cam.txt", (COLOUR,))
+    return _image_pairs([folder / "image_2", folder / "image_3"], "*_10.png")
+
+
+def colour_projections(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the projection matrices of the colour cameras of a calib_cam_to_cam file."""
+    return _projections(path, ["P_rect_02", "P_rect_03"])
 
 
 LAYOUTS = {"kitti-odometry": read_odometry, "kitti-raw": read_raw, "kitti-stereo": read_stereo}

@@ -36,16 +36,18 @@ class DepthErrors:
 NO_SURFACE = DepthErrors((float("nan"),) * len(CURVE_DEPTHS), measured=False)
 
 
-def depth_errors(frame: LabelledFrame, surface: RoadSurface | None) -> DepthErrors:
+def depth_errors(
+    frame: LabelledFrame, surface: RoadSurface | None, reach: float = float("inf")
+) -> DepthErrors:
     """Compare a measured surface (None: nothing was found) with the truth, on pixels straight ahead.
 
     The pixel at u = cx is taken in which the truth has the road at depth z; its depth is read there from the
-    surface.
+    surface. Beyond `reach` [m] the truth is not known.
     """
     if surface is None:
         return NO_SURFACE
     rows = frame.rows_ahead(CURVE_DEPTHS)
-    known = np.isfinite(rows)
+    known = np.isfinite(rows) & (reach >= CURVE_DEPTHS)
     errors = np.full(len(rows), np.nan)
     _, measured = surface.pixel_to_ground(np.full(np.count_nonzero(known), frame.camera.cx), rows[known])
     errors[known] = measured / CURVE_DEPTHS[known] - 1

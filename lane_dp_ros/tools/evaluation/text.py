@@ -106,6 +106,12 @@ def compared_in_space(total: Summary) -> bool:
     return bool(total.depth.frames or total.in_space.near.count or total.in_space.far.count)
 
 
+def surface_tables(results: Sequence[FrameScore]) -> str:
+    """Return the depth's bias and spread by sequence, of frames whose surface alone was judged."""
+    sequences = by_sequence(results)
+    return f"{space_table(sequences, DEPTH_COLUMNS)}\n\n{len(results)} frames"
+
+
 def space_table(
     summaries: Mapping[str, Summary], columns: Sequence[SpaceColumn] = SPACE_COLUMNS, title: str = "sequence"
 ) -> str:

@@ -11,6 +11,7 @@ from html import escape
 
 WIDTH, HEIGHT = 380, 256
 LEFT, RIGHT, TOP, BOTTOM = 60, 12, 26, 46  # of the frame
+TICKS = 5  # about so many on an axis
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,18 @@ class Chart:
                 command = "M"
         self._parts.append(f'<path class="{style}" d="{path}"/>')
 
+    def band(self, xs: Iterable[float], lows: Iterable[float], highs: Iterable[float], style: str) -> None:
+        """Add the area between two polylines, broken where one of them is nan."""
+        path, run = "", list[tuple[float, float, float]]()
+        for x, low, high in [*zip(xs, lows, highs, strict=True), (math.nan,) * 3]:
+            if math.isfinite(x + low + high):
+                run.append((self._x(x), self._y(low), self._y(high)))
+            elif run:
+                outline = [(x, high) for x, _, high in run] + [(x, low) for x, low, _ in reversed(run)]
+                path += "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in outline) + "Z"
+                run = []
+        self._parts.append(f'<path class="{style}" d="{path}"/>')
+
     def bar(self, left: float, right: float, y: float, style: str) -> None:
         """Add a bar from 0 up to y, with a gap to the next one."""
         if math.isfinite(y):
@@ -71,6 +84,11 @@ class Chart:
         if math.isfinite(x) and math.isfinite(y):
             place = f'x="{self._x(x):.1f}" y="{self._y(y) - lift:.1f}"'
             self._parts.append(f'<text class="{style}" {place} text-anchor="middle">{escape(words)}</text>')
+
+    def document(self, css: str) -> str:
+        """Return the chart as a file of its own, with a style sheet."""
+        head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{2 * WIDTH}" height="{2 * HEIGHT}"'
+        return self.svg().replace("<svg", head, 1).replace(">", f"><style>{css}</style>", 1) + "\n"
 
     def svg(self) -> str:
         """Return the chart."""
@@ -103,3 +121,11 @@ class Chart:
 
     def _y(self, value: float) -> float:
         return HEIGHT - BOTTOM - self.y.place(value) * (HEIGHT - TOP - BOTTOM)
+
+
+def scale(highest: float) -> tuple[float, list[float]]:
+    """Return an axis' end at or above `highest` > 0, and its ticks, round numbers."""
+    power = 10.0 ** math.floor(math.log10(highest / TICKS))
+    step = next(each * power for each in (1, 2, 5, 10) if each * power * TICKS >= highest)
+    count = math.ceil(highest / step - 1e-9)
+    return count * step, [i * step for i in range(count + 1)]

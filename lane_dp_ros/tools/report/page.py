@@ -54,7 +54,7 @@ def write_report(
         cards[place] = card(place, result, frame, images)
     parameters = "the detector's default parameters" if config is None else "the parameters given"
     page = _page(results, source, [cards[place] for place in sorted(cards)], parameters)
-    return _write(page, directory)
+    return write_page(page, directory)
 
 
 def check_report_output(directory: Path) -> None:
@@ -72,12 +72,12 @@ def check_report_output(directory: Path) -> None:
 def _page(results: Sequence[FrameScore], source: Path, cards: Sequence[str], parameters: str) -> str:
     total = summarise(results)
     name = source.resolve().name
-    return Template(_static("page.html")).substitute(
+    return Template(static_text("page.html")).substitute(
         generator=GENERATOR,
         title=escape(name),
         about=f"{total.frames} frames, {total.labels} lines to find, {total.detections} lines published",
-        css=_static("report.css"),
-        script=_static("report.js"),
+        css=static_text("report.css"),
+        script=static_text("report.js"),
         tiles=tiles(total),
         tables=tables(results),
         plots=plots(results),
@@ -96,13 +96,14 @@ def _gallery_size(results: Sequence[FrameScore], shown: int) -> str:
     return f"{failing} of {len(results)} frames have a failure{rest}."
 
 
-def _static(name: str) -> str:
+def static_text(name: str) -> str:
+    """Return a file of the folder static/."""
     text = (resources.files("lane_dp_ros.tools.report") / "static" / name).read_text(encoding="utf-8")
     return text.strip()
 
 
-def _write(page: str, directory: Path) -> Path:
-    """Write the page; it appears complete or not at all."""
+def write_page(page: str, directory: Path) -> Path:
+    """Write the page to `directory`/index.html; it appears complete or not at all."""
     path, part = directory / PAGE, directory / f".{PAGE}.{os.getpid()}.part"
     try:
         directory.mkdir(parents=True, exist_ok=True)

@@ -4,30 +4,36 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape
 
 import numpy as np
 
+from lane_dp_ros.tools.evaluation.depth import DepthSummary
 from lane_dp_ros.tools.evaluation.reliability import CONFIDENCE_BINS, confidences, reliability
 from lane_dp_ros.tools.evaluation.scores import FrameScore
-from lane_dp_ros.tools.report.chart import Axis, Chart
+from lane_dp_ros.tools.evaluation.summary import summarise
+from lane_dp_ros.tools.report.chart import Axis, Chart, scale
 from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
+from lane_dp_ros.tools.report.depth_plot import TITLE, depth_chart
 from lane_dp_ros.tools.report.tables import number
-
-TICKS = 5  # about so many on an axis
 
 
 def plots(results: Sequence[FrameScore]) -> str:
-    """Return the curves, each with what it says in words."""
-    return "".join(
+    """Return the curves, each with what it says in words; that of the depth where a surface is known."""
+    charts = [_threshold_chart(results), _reliability_chart(results), _error_chart(results)]
+    return "".join(_figure(*chart) for chart in charts) + surface_plots(results)
+
+
+def surface_plots(results: Sequence[FrameScore]) -> str:
+    """Return the curve of the depth alone, empty where no frame has a surface."""
+    depth = summarise(results).depth
+    return _figure(*_depth_chart(depth)) if depth.rows else ""
+
+
+def _figure(title: str, svg: str, words: str) -> str:
+    return (
         f'<figure class="plot"><figcaption><h3>{escape(title)}</h3></figcaption>{svg}<p>{words}</p></figure>'
-        for title, svg, words in (
-            _threshold_chart(results),
-            _reliability_chart(results),
-            _error_chart(results),
-        )
     )
 
 
@@ -67,7 +73,7 @@ def _error_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     bins = error_over_distance(results)
     title = "Lateral error over distance"
     highest = np.nanmax(bins.percentile_90) if np.isfinite(bins.percentile_90).any() else 0.1
-    top, ticks = _scale(float(highest) * 1.1)
+    top, ticks = scale(float(highest) * 1.1)
     edges = bins.edges
     chart = Chart(
         title,
@@ -91,9 +97,10 @@ def _share_axis(text: str) -> Axis:
     return Axis(text, 0, 1, (0, 0.2, 0.4, 0.6, 0.8, 1))
 
 
-def _scale(highest: float) -> tuple[float, list[float]]:
-    """Return an axis' end at or above `highest` > 0, and its ticks, round numbers."""
-    power = 10.0 ** math.floor(math.log10(highest / TICKS))
-    step = next(each * power for each in (1, 2, 5, 10) if each * power * TICKS >= highest)
-    count = math.ceil(highest / step - 1e-9)
-    return count * step, [i * step for i in range(count + 1)]
+def _depth_chart(depth: DepthSummary) -> tuple[str, str, str]:
+    words = (
+        '<span class="key one"></span>how much too deep the measured surface is straight ahead: median of '
+        f"the frames, and the band in which nine of ten lie; {len(depth.rows)} frames with a surface, "
+        f"{depth.no_surface} without"
+    )
+    return TITLE, depth_chart([depth.curve()]).svg(), words

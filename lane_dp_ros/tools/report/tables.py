@@ -9,9 +9,19 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
+from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, DEPTHS, DepthErrors
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
-from lane_dp_ros.tools.evaluation.text import COLUMNS, Column, cell
+from lane_dp_ros.tools.evaluation.text import (
+    COLUMNS,
+    DEPTH_COLUMNS,
+    SPACE_COLUMNS,
+    Column,
+    SpaceColumn,
+    cell,
+    compared_in_space,
+    space_cells,
+)
 from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
 
 PAPER_COLUMNS = COLUMNS[:4]
@@ -46,6 +56,11 @@ def tables(results: Sequence[FrameScore]) -> str:
     parts = [_paper_and_today("sequence", sequences)]
     if len(categories) > 1 and categories != sequences:
         parts.append(_paper_and_today("category", categories))
+    if compared_in_space(sequences["total"]):
+        words = (
+            "In metres, not through the image: the measured surface's depth straight ahead, and the lines."
+        )
+        parts.append(f"<section><h3>Depth and 3-D</h3><p>{words}</p>{_space_table(sequences)}</section>")
     if sequences["total"].tusimple.frames:
         parts.append(_tusimple_culane(sequences))
     return "".join(parts)
@@ -76,6 +91,32 @@ def _tusimple_culane(summaries: Mapping[str, Summary]) -> str:
     words = "In the image: TuSimple (20 px, 85 %) and CULane (lines 30 px wide, IoU 0.5), as published."
     table = _table("sequence", heads, rows)
     return f"<section><h3>The literature's measures</h3><p>{words}</p>{table}</section>"
+
+
+def _space_table(summaries: Mapping[str, Summary], columns: Sequence[SpaceColumn] = SPACE_COLUMNS) -> str:
+    rows = {name: space_cells(summary, columns) for name, summary in summaries.items()}
+    return _table("sequence", [f"{c.top}\n{c.bottom}" for c in columns], rows)
+
+
+def depth_table(results: Sequence[FrameScore]) -> str:
+    """Return the depth's bias and spread by sequence."""
+    return _space_table(by_sequence(results), DEPTH_COLUMNS)
+
+
+def frames_by_depth_error(results: Sequence[FrameScore]) -> str:
+    """Return the depth's errors of each frame, those without a surface first, then the largest error."""
+    errors = {r.name: [_error_at(r.depth, z) for z in DEPTHS] for r in results if r.depth is not None}
+    largest = {name: max((abs(e) for e in row if math.isfinite(e)), default=math.inf)
+               for name, row in errors.items()}  # fmt: skip
+    rows = {
+        name: ["-" if math.isnan(error) else f"{100 * error:+.2f}" for error in errors[name]]
+        for name in sorted(errors, key=lambda name: (-largest[name], name))
+    }
+    return _table("frame", [f"depth %\n{z:g} m" for z in DEPTHS], rows)
+
+
+def _error_at(errors: DepthErrors, depth: float) -> float:
+    return errors.errors[CURVE_DEPTHS.tolist().index(depth)]
 
 
 def number(value: float) -> str:
