@@ -75,6 +75,25 @@ def test_points_are_rounded(tmp_path):
     assert frame.labels[0].xz[0].tolist() == [0.3333, 6]
 
 
+def test_exact_points_and_rows_come_back(tmp_path):
+    lane = {**LANE, "xyz": [[-1, 1.6, 9], [-1.51234, 1.65, 6]]}
+    profile = [[5.0, 370.1234], [6, 340.5], [7, 320.25]]
+    plain, exact = FIELDS, {**FIELDS, "lanes": [lane], "profile": profile}
+    frames = load_truth(written(tmp_path, {"a/0": plain, "a/1": exact}))
+    save_truth(frames, tmp_path / "saved.json")
+    without, with_them = load_truth(tmp_path / "saved.json")
+    assert (without.profile, without.labels[0].xyz) == (None, None)
+    assert with_them.profile.tolist() == [[5, 370.123], [6, 340.5], [7, 320.25]]
+    assert with_them.labels[0].xyz.tolist() == [[-1.5123, 1.65, 6], [-1, 1.6, 9]]  # near first
+    assert with_them.labels[0].in_space.tolist() == [[-1.5123, 6], [-1, 9]]
+    assert without.labels[0].in_space.tolist() == [[-1.5, 6], [-1, 9]]
+    assert [*with_them.rows_ahead([6.0, 5.0]), *without.rows_ahead([10.0])] == [
+        340.5,
+        370.123,
+        pytest.approx(180 + 100 * 37.8 / 32),  # 700 px * 0.54 m / 10 m of disparity
+    ]
+
+
 def test_a_failed_save_leaves_the_file(tmp_path):
     path = written(tmp_path, {"a/1": FIELDS})
     before = path.read_bytes()
@@ -95,6 +114,9 @@ def test_a_failed_save_leaves_the_file(tmp_path):
         ({"a/1": 1}, r"truth\.json: frame 'a/1'"),
         ({"a/1": {**FIELDS, "fx": 0}}, "frame 'a/1': fx is 0"),
         ({"a/1": {**FIELDS, "ground": [1, 2]}}, "frame 'a/1': ground is no list of 4 numbers"),
+        ({"a/1": {**FIELDS, "profile": [[6, 300]]}}, r"frame 'a/1': profile is no list of at least 2 points"),
+        ({"a/1": {**FIELDS, "profile": [[6, 300], [5, 320]]}}, r"profile is .* \[z, v\] with rising z > 0"),
+        ({"a/1": {**FIELDS, "profile": 7}}, "frame 'a/1': profile is no list of"),
         ({"a/1": {**FIELDS, "ego_right": "R"}}, "frame 'a/1': ego line 'R' is none of the lines L"),
         ({"a/1": {**FIELDS, "lanes": [LANE, LANE]}}, "frame 'a/1': two lines have the id 'L'"),
     ],
@@ -115,6 +137,9 @@ def test_what_is_wrong_in_a_file_is_named(tmp_path, text, message):
         ({"uv": [[0, float("inf")]]}, "line 'L': uv holds values that are not finite"),
         ({"xz": [[0, 6]]}, "line 'L': xz has 1 points, expected at least 2"),
         ({"uv": [1, 2, 3]}, r"line 'L': uv is no list of \[a, b\] points"),
+        ({"xyz": [[0, 6], [0, 9]]}, r"line 'L': xyz has 1 points|line 'L': xyz is no list of \[a, b, c\]"),
+        ({"xyz": [[0, 1.6, 6]]}, "line 'L': xyz has 1 points, expected at least 2"),
+        ({"xyz": [[0, 1.6, 6], [0, 1.6, float("nan")]]}, "line 'L': xyz holds values that are not finite"),
     ],
 )
 def test_what_is_wrong_in_a_line_is_named(tmp_path, change, message):
