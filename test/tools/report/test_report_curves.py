@@ -5,17 +5,22 @@
 import math
 import re
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from lane_dp_ros.scenes.categories import CATEGORIES
+from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, NO_SURFACE, DepthErrors
 from lane_dp_ros.tools.evaluation.reliability import confidences, reliability
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.report.chart import Axis, Chart
 from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
+from lane_dp_ros.tools.report.depth_plot import depth_chart
 from lane_dp_ros.tools.report.failures import Failure, counts_by_reason, failures, reason, worst_first
-from lane_dp_ros.tools.report.plots import plots
+from lane_dp_ros.tools.report.plots import plots, surface_plots
+from lane_dp_ros.tools.report.tables import frames_by_depth_error
 
 
 def test_precision_and_recall_over_the_confidence(results):
@@ -129,6 +134,61 @@ def test_a_line_is_broken_where_there_is_no_value():
         == pytest.approx(xs[3] - xs[2], abs=0.11)
         == pytest.approx((xs[3] - xs[0]) / 4, abs=0.11)
     )
+
+
+def test_a_band_is_an_area_for_each_piece_without_a_gap():
+    chart = Chart("c", Axis("x", 0, 4, ()), Axis("y", -1, 1, (-1, 0, 1)))
+    chart.band((0, 1, 2, 3, 4), (-1, 0, math.nan, 0, 0), (1, 1, 1, math.nan, 1), "band")
+    (path,) = re.findall(r'class="band" d="([^"]+)"', chart.svg())
+    left, right, _ = path.split("Z")
+    rows = re.findall(r'class="grid" d="M\d+ ([\d.]+)H', chart.svg())
+    bottom, middle, top = map(float, rows)
+    corners = [(float(x), float(y)) for x, y in re.findall(r"[ML]([\d.]+) ([\d.]+)", left)]
+    assert [y for _, y in corners] == [top, top, middle, bottom]
+    assert corners[0][0] == corners[3][0] < corners[1][0] == corners[2][0]
+    assert right.count("L") == 1  # one place alone
+
+
+def test_a_chart_as_a_file_of_its_own():
+    chart = Chart("<c>", Axis("x", 0, 1, ()), Axis("y", 0, 1, ()))
+    root = ElementTree.fromstring(chart.document(".grid { stroke: red; }"))
+    assert root.tag == "{http://www.w3.org/2000/svg}svg" and root.attrib["aria-label"] == "<c>"
+    assert root[0].text == ".grid { stroke: red; }"
+
+
+def depth_scores(*errors):
+    return [
+        FrameScore(f"a/{i}", "a", "", None, (), depth=DepthErrors((error,) * len(CURVE_DEPTHS)))
+        for i, error in enumerate(errors)
+    ]
+
+
+def test_the_depth_over_distance():
+    curve = summarise(depth_scores(-0.01, 0.02, 0.04)).depth.curve()
+    chart = depth_chart([curve, curve])
+    svg = chart.svg()
+    assert (chart.x.low, chart.x.high, list(chart.x.ticks)) == (6, 30, [8, 12, 16, 20, 24, 28])
+    assert list(chart.y.ticks) == [-4, -3, -2, -1, 0, 1, 2, 3, 4] and chart.y.high == 4  # band to 3.8 %
+    assert [svg.count(f'class="{style}"') for style in ("band one", "series two", "ideal")] == [1, 1, 1]
+    (line,) = re.findall(r'class="series one" d="([^"]+)"', svg)
+    heights = {float(y) for y in re.findall(r"[ML][\d.]+ ([\d.]+)", line)}
+    rows = [float(y) for y in re.findall(r'class="grid" d="M\d+ ([\d.]+)H', svg)]
+    assert heights == {rows[6]}  # at 2 %
+    with pytest.raises(ValueError, match="5 curves in one chart, expected at most 4"):
+        depth_chart([curve] * 5)
+
+
+def test_no_curve_of_the_depth_without_a_surface(results):
+    assert "Depth error" not in plots(results)
+    assert surface_plots(results) == surface_plots([]) == ""
+    assert "3 frames with a surface, 0 without" in plots(depth_scores(0.0, 0.0, 0.0))
+
+
+def test_frames_by_their_depth_error():
+    scores = [*depth_scores(0.01, -0.03), replace(depth_scores(0.0)[0], name="b/0", depth=NO_SURFACE)]
+    table = re.sub("<wbr>", "", frames_by_depth_error(scores))
+    assert re.findall(r'<th scope="row">([^<]+)<', table) == ["b/0", "a/1", "a/0"]
+    assert "<td>-3.00</td>" in table and "<td>-</td>" in table
 
 
 def test_a_bar_reaches_from_0_to_its_value():

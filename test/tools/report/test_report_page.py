@@ -21,10 +21,12 @@ from lane_dp_ros.messages.stamp import stamp_to_ros
 from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
 from lane_dp_ros.tools.evaluation.annotations import Label
+from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, NO_SURFACE, DepthErrors
 from lane_dp_ros.tools.evaluation.matching import judge
+from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import by_sequence, summarise
 from lane_dp_ros.tools.evaluation.truth_file import save_truth
-from lane_dp_ros.tools.report import write_report
+from lane_dp_ros.tools.report import write_report, write_surface_report
 from lane_dp_ros.tools.report.figure import data_uri
 from lane_dp_ros.tools.report.pictures import LEFT_BYTES
 
@@ -133,6 +135,39 @@ def test_the_literatures_measures(page, results):
     measures = total.tusimple.accuracy, total.tusimple.fp, total.tusimple.fn, total.culane.f1
     assert table[-1][1:5] == [f"{value:.3f}" for value in measures]
     assert table[-1][5:] == [str(n) for n in (total.culane.tp, total.culane.fp, total.culane.fn)]
+
+
+def test_depth_and_3d(page, results):
+    (table,) = (table for table in page.tables if "nosurface" in table[0])
+    total = summarise(results).in_space
+    assert table[0][-4:] == ["3-D m6-12 m", "3-D m12-25 m", "3-D mat 10 m", "3-D mat 25 m"]
+    values = (mean.value for mean in (total.near, total.far, total.at_10, total.at_25))
+    assert table[-1] == ["total", *["-"] * 9, *(f"{value:.3f}" for value in values)]
+    assert total.near.value == pytest.approx(0.05 / 9)  # one of nine lines is 0.05 m aside
+
+
+def test_the_page_of_the_surface_alone(tmp_path):
+    errors = DepthErrors((0.02,) * len(CURVE_DEPTHS))
+    scores = [
+        FrameScore("<b>/0", "<b>", "", None, (), depth=errors),
+        FrameScore("c/0", "c", "", None, (), depth=NO_SURFACE),
+    ]
+    path = write_surface_report(scores, tmp_path / "a <b>&", tmp_path / "report")
+    parsed = Parsed(path.read_text(encoding="utf-8"))
+    assert_by_itself(parsed)
+    assert parsed.texts("h1") == ["Road surface judged by LiDAR: a <b>&"]
+    table, frames = parsed.tables
+    assert table[1:] == [
+        ["<b>", *["+2.00", "2.00"] * 4, "0"],
+        ["c", *["-"] * 8, "1"],
+        ["total", *["+2.00", "2.00"] * 4, "1"],
+    ]
+    assert [row[0] for row in frames[1:]] == ["c/0", "<b>/0"] and parsed.count("svg", "chart") == 1
+    assert write_surface_report(scores, tmp_path, tmp_path / "report") == path  # replaced by its like
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other/index.html").write_text("<p>mine</p>")
+    with pytest.raises(CommandError, match="exists already and is no report"):
+        write_surface_report(scores, tmp_path, tmp_path / "other")
 
 
 def test_failures_are_classed(page):
