@@ -36,6 +36,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add what says which frames to judge, by what, and where the numbers go: the arguments of `evaluate`."""
+    command.set_defaults(usage_error=command.error)
     command.add_argument(
         "input",
         type=Path,
@@ -75,7 +76,7 @@ def evaluate(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
     from lane_dp_ros.tools.evaluation.surface import evaluate_surface
 
     if (arguments.input is None) == (arguments.surface is None):
-        raise CommandError("expected either BAG_OR_DIR or --surface DIR: the one thing to judge")
+        arguments.usage_error("expected either BAG_OR_DIR or --surface DIR: the one thing to judge")
     _check_outputs(arguments)
     if arguments.surface is not None:
         evaluation = evaluate_surface(arguments.surface, choice)

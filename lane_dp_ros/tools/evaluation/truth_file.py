@@ -154,7 +154,10 @@ def _profile(fields: dict[str, Any]) -> Floats | None:
 
 def _numbers(values: Any, shape: tuple[int, ...], what: str) -> Floats:
     try:
-        numbers = np.array(values, dtype=np.float64).reshape(shape)
+        given = np.array(values, dtype=np.float64)
+        if given.ndim == 2 and given.shape[1] != shape[-1]:
+            raise ValueError
+        numbers = given.reshape(shape)
     except (TypeError, ValueError):
         raise ValueError(f"{what} is no list of {_SHAPES[shape]}") from None
     if not np.all(np.isfinite(numbers)):

@@ -189,11 +189,11 @@ def test_what_cannot_be_judged_is_named_in_one_line(folder, capsys, spoil, messa
     assert message in failed(capsys, "--surface", folder)
 
 
-def test_one_thing_is_judged(folder, capsys):
-    assert "expected either BAG_OR_DIR or --surface DIR" in failed(capsys)
-    assert "expected either BAG_OR_DIR or --surface DIR" in failed(capsys, folder, "--surface", folder)
+@pytest.mark.parametrize("arguments", [(), ("DIR", "--surface", "DIR"), ("--surface", "DIR", "--unpainted")])
+def test_one_thing_is_judged(folder, capsys, arguments):
     with pytest.raises(SystemExit, match="2"):
-        evaluate("--surface", folder, "--unpainted")
+        evaluate(*(folder if each == "DIR" else each for each in arguments))
+    assert "--surface" in capsys.readouterr().err
 
 
 def test_a_limit_for_lanes_says_that_there_are_none(folder, capsys):
