@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ Floats = NDArray[np.float64]
 
 DASH_MIN = 0.5  # m of paint; the rest of a dash may lie outside the view
 LOOK_BACK = 8.0  # m at the end of a line that tell where it points to
+OF_ANOTHER = 0.15  # m; paint so near to another line, which runs beside this one, is that one's
 EPSILON = 1e-9  # m^2; all in one place has no slope
 NEAR, FAR = 0, -1  # the ends of a line
 
@@ -41,20 +43,32 @@ class ExtensionConfig(Parameters):
     )
 
 
-def extend_line(line: LaneLine, paint: PaintProfile, blank_cost: float, config: ExtensionConfig) -> LaneLine:
+def extend_line(
+    line: LaneLine,
+    paint: PaintProfile,
+    blank_cost: float,
+    config: ExtensionConfig,
+    others: Sequence[LaneLine] = (),
+) -> LaneLine:
     """Return the line, extended at both ends over gaps of at most `config.gap_max` to further paint.
 
-    What it gains in score [m] is the paint less what the gap costs, `blank_cost` a metre of both; a gap never
-    takes score away.
+    It ends before paint of the `others` that run beside it. What it gains in score [m] is the paint less what
+    the gap costs, `blank_cost` a metre of both; a gap never takes score away.
     """
+    beside = [other for other in others if other.s[0] < line.s[-1] and other.s[-1] > line.s[0]]
     for end in (FAR, NEAR):
-        while (longer := _to_next_dash(line, end, paint, blank_cost, config)) is not None:
+        while (longer := _to_next_dash(line, end, paint, blank_cost, config, beside)) is not None:
             line = longer
     return line
 
 
 def _to_next_dash(
-    line: LaneLine, end: int, paint: PaintProfile, blank_cost: float, config: ExtensionConfig
+    line: LaneLine,
+    end: int,
+    paint: PaintProfile,
+    blank_cost: float,
+    config: ExtensionConfig,
+    beside: Sequence[LaneLine],
 ) -> LaneLine | None:
     """Return the line with the next dash beyond its `end`, fitted anew; None where there is none."""
     view = paint.view
@@ -69,6 +83,8 @@ def _to_next_dash(
         return None
     if _turn(s[dash], (centre - n)[dash]) > config.turn_max:
         return None  # the paint of a line that this one crosses
+    if any(_is_paint_of(other, s[dash], centre[dash]) for other in beside):
+        return None  # this one leads into it
     rows, n = rows[: dash.stop], n[: dash.stop]
     if end == FAR:
         rows, n = np.concatenate([line.rows, rows]), np.concatenate([line.n, n])
@@ -79,6 +95,13 @@ def _to_next_dash(
     beyond = np.arange(dash.stop) >= dash.start
     gain = float(paint_gain(beyond, blank_cost).sum()) * per_row
     return LaneLine(rows, view.s[rows], fitted, bend, line.score + max(gain, 0.0))
+
+
+def _is_paint_of(other: LaneLine, s: Floats, centre: Floats) -> bool:
+    """Return whether most of the paint centred at road coordinates (s, centre) is that of another line."""
+    along = (s >= other.s[0]) & (s <= other.s[-1])
+    near = np.abs(np.interp(s, other.s, other.n) - centre) <= OF_ANOTHER
+    return bool(np.mean(along & near) > 0.5)
 
 
 def _turn(s: Floats, aside: Floats) -> float:

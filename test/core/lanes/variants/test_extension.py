@@ -184,6 +184,25 @@ def test_paint_of_a_line_that_it_crosses_is_not_its_own(painted_road, slope):
     assert extend_line(line, profile, BLANK_COST, steep) is not line
 
 
+def test_it_does_not_go_on_over_paint_of_a_line_beside_it(painted_road):
+    """A streak 12 m ahead points back to the border line, which runs on past it."""
+
+    def streak(s):
+        return N + 0.08 * (s - 14)
+
+    profile = paint(painted_road(length=LENGTH).line(N), streak, (22, 30)).bands()
+    line, border = piece(profile.view, streak, 22, 30), piece(profile.view, straight, 4, 40, score=30.0)
+    assert extend_line(line, profile, BLANK_COST, CONFIG).s[0] < 18
+    assert extend_line(line, profile, BLANK_COST, CONFIG, [border]) is line
+
+
+def test_it_takes_in_the_dash_that_was_found_as_a_line_of_its_own(painted_road):
+    """What ends before it begins is a piece of it."""
+    profile = paint(painted_road(length=LENGTH), straight, (FIRST, LAST), (LAST + 6, LAST + 10)).bands()
+    line, dash = piece(profile.view, straight), piece(profile.view, straight, LAST + 6, LAST + 10)
+    assert spans(extend_line(line, profile, BLANK_COST, CONFIG, [dash]), FIRST, LAST + 10)
+
+
 @pytest.mark.parametrize(("gap_max", "bridged"), [(3.75, False), (4.0, True)])
 def test_the_longest_gap_is_that_of_the_configuration(painted_road, gap_max, bridged):
     road = paint(painted_road(length=LENGTH), straight, (FIRST, LAST), (LAST + 4, LAST + 8))
