@@ -49,7 +49,7 @@ class DetectorConfig(Parameters):
 PRESETS = ("default", "paper")
 
 PAPER: dict[str, Value] = {
-    "road_profile.roll": False,
+    "road_profile.model": "quadratic",
     "vanishing_point.method": "dense",
     "vanishing_point.centred_principal_point": True,
     "birds_eye.near": 0.0,

@@ -13,19 +13,18 @@ from lane_dp_ros.core.birdseye.paint_map import PaintMap
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
-from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import Candidate, LanePath
 from lane_dp_ros.core.lanes.lifting import to_lanes
 from lane_dp_ros.core.lanes.mono_fallback import mono_lanes
 from lane_dp_ros.core.road.disparity import dense_disparity
-from lane_dp_ros.core.road.road_profile import fit_road_surface, plausible_heights
+from lane_dp_ros.core.road.road_profile import largest_disparity, plausible_heights, road_profile
 from lane_dp_ros.core.road.vanishing_point import RoadDirection, direction_along, direction_estimator
 from lane_dp_ros.core.search import LaneSearch, RoadView, SearchResult
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
 
-HEADING_JUMP, CURVATURE_JUMP = 0.05, 0.01  # rad, 1/m; less from frame to frame is the road or the vehicle
+EXPLAINED = 0.8  # of the paint of a moment ago; with less along its axis the road may have turned away
 NO_PRIOR = Prior()
 
 
@@ -47,6 +46,8 @@ class LaneDetection:
     """Every line that was measured; those that are no lanes with the reason."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Computing time of each stage, in order."""
+    voted: bool = False
+    """Whether the edges voted for the road's direction; else the prior's explains the frame."""
     note: str = ""
     """One line that says why the road that was measured did not serve, or why there are no lanes."""
 
@@ -66,11 +67,32 @@ class LaneDetector:
     def __init__(self, camera: StereoCamera, config: DetectorConfig | None = None) -> None:
         self.camera = camera
         self.config = config or DetectorConfig()
+        self._profile = road_profile(self.config.road_profile)
         self._direction = direction_estimator(self.config.vanishing_point)
         self._search = LaneSearch(self.config)
 
-    def detect(self, frame: StereoFrame, prior: Prior = NO_PRIOR) -> LaneDetection:
+    def match(self, frame: StereoFrame) -> DisparityMap:
+        """Return the disparity of a frame: the part of `detect` that needs no prior."""
+        frame = frame.grey()
+        largest = largest_disparity(self.camera, len(frame.left), self.config.road_profile)
+        return dense_disparity(frame, self.camera, self.config.disparity, largest)
+
+    def measure_road(
+        self, frame: StereoFrame, disparity: DisparityMap, known: RoadSurface | None = None
+    ) -> RoadSurface | None:
+        """Return the road's surface in a frame with its disparity, None where no road is to be seen.
+
+        `known` is the surface of a moment ago.
+        """
+        rng = np.random.default_rng(self.config.seed)
+        return self._profile.measure(frame.grey(), disparity, self.camera, rng, known)
+
+    def detect(
+        self, frame: StereoFrame, prior: Prior = NO_PRIOR, disparity: DisparityMap | None = None
+    ) -> LaneDetection:
         """Return the lanes of a frame, in the light of the frames before where a `prior` tells of them.
+
+        `disparity` is what `match` gave for the frame, in another process for example.
 
         Where the frame shows no road, or a road without lanes, the detection has no lanes and `note` says
         why. Where a prior has another surface serve than the one that was measured, the left image is looked
@@ -78,9 +100,9 @@ class LaneDetector:
         """
         watch, rng, frame = Stopwatch(), np.random.default_rng(self.config.seed), frame.grey()
         with watch("disparity"):
-            disparity = dense_disparity(frame, self.camera, self.config.disparity)
+            disparity = self.match(frame) if disparity is None else disparity
         with watch("road_profile"):
-            measured = fit_road_surface(disparity, self.camera, self.config.road_profile, rng)
+            measured = self.measure_road(frame, disparity, prior.surface)
             road = prior.road(measured)
         detection = LaneDetection(
             (), disparity, measured, road, seconds=watch.seconds, note=self._note(frame, road)
@@ -89,12 +111,8 @@ class LaneDetector:
             return detection
         if road.source != "measured":
             frame, disparity = StereoFrame(frame.left), DisparityMap.unknown(disparity.shape)
-        with watch("vanishing_point"):
-            direction = self._direction.estimate(frame.left, disparity, road.surface)
-        view = RoadView(frame, disparity, road.surface, direction.ipm_plane)
-        found = self._search.along(direction.axis, view, rng, watch)
-        known_axis = prior.axis if road.source == "measured" else None
-        found = self._along_other_axes(found, view, known_axis, rng, watch)
+        view = RoadView(frame, disparity, road.surface)
+        direction, found = self._found(view, prior if road.source == "measured" else NO_PRIOR, rng, watch)
         lanes, candidates = self._lanes(found, road, prior)
         return replace(
             detection,
@@ -104,24 +122,33 @@ class LaneDetector:
             paint_map=found.paint.paint_map,
             paths=found.paths,
             candidates=candidates,
+            voted="vanishing_point" in watch.seconds,
             note=detection.note or ("" if lanes else f"no lanes among {len(found.paths)} paths"),
         )
 
-    def _along_other_axes(
-        self,
-        found: SearchResult,
-        view: RoadView,
-        known: RoadAxis | None,
-        rng: np.random.Generator,
-        watch: Stopwatch,
+    def _found(
+        self, road: RoadView, prior: Prior, rng: np.random.Generator, watch: Stopwatch
+    ) -> tuple[RoadDirection, SearchResult]:
+        """Return what lies along the axis of a moment ago where that explains the pair, else the edges'."""
+        known = None if prior.axis is None else self._direction.follow(prior.axis, road.surface)
+        best = None if known is None else (known, self._along(known, road, rng, watch))
+        if best is not None and prior.paint is not None and best[1].score >= EXPLAINED * prior.paint:
+            return best
+        with watch("vanishing_point"):
+            voted = self._direction.estimate(road.frame.left, road.disparity, road.surface)
+        found = voted, self._along(voted, road, rng, watch)
+        return found if best is None else max(found, best, key=lambda each: each[1].score)
+
+    def _along(
+        self, direction: RoadDirection, road: RoadView, rng: np.random.Generator, watch: Stopwatch
     ) -> SearchResult:
-        """Return what has most paint along the axis of the edges, that of its paint, or one known before."""
+        """Return what has most paint along a direction or, turned, along the paint that lies there."""
+        found = self._search.along(direction.axis, direction.ipm_plane, road, rng, watch)
         refined = self._search.refined_axis(found)
-        if refined is not None:
-            found = max(found, self._search.along(refined, view, rng, watch), key=lambda each: each.score)
-        if known is not None and jumps(found.paint.view.axis, known):
-            found = max(found, self._search.along(known, view, rng, watch), key=lambda each: each.score)
-        return found
+        if refined is None:
+            return found
+        again = self._search.along(refined, direction.ipm_plane, road, rng, watch)
+        return max(found, again, key=lambda each: each.score)
 
     def _lanes(
         self, found: SearchResult, road: RoadEstimate, prior: Prior
@@ -152,9 +179,3 @@ class LaneDetector:
             return "no right image"
         heights = "{:.1f} to {:.1f}".format(*plausible_heights(self.config.road_profile))
         return f"no road surface in the disparity {heights} m below the camera"
-
-
-def jumps(axis: RoadAxis, before: RoadAxis) -> bool:
-    """Return whether the road's axis changes more from one frame to the next than roads and vehicles do."""
-    turned = abs(axis.heading - before.heading) > HEADING_JUMP
-    return turned or abs(axis.curvature - before.curvature) > CURVATURE_JUMP

@@ -7,10 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.detector import LaneDetection, LaneDetector, jumps
+from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.monitoring.calibration_monitor import (
     UNCHECKED,
     CalibrationMonitor,
@@ -24,7 +26,8 @@ from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.core.types import Lane, Prior, StereoFrame
 
 ROWS_PERIOD_NS = 500_000_000  # between comparisons of the rows of left and right: a calibration does not jump
-AXIS_MEMORY_NS = 500_000_000  # later the road may well run otherwise
+COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
+VOTE_PERIOD_NS = 300_000_000  # for which the axis goes on from frame to frame; then the edges vote anew
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}
 
@@ -58,8 +61,13 @@ class _Memory:
     stamp_ns: int = 0
     lanes: tuple[Lane, ...] = ()
     """The lines that the last measured road bore, as of the frame before."""
+    surface: RoadSurface | None = None
     axis: RoadAxis | None = None
-    axis_ns: int = 0
+    paint: float = 0.0
+    course_ns: int = 0
+    """When surface, axis and paint were seen."""
+    voted_ns: int = 0
+    """When the edges last voted for the axis."""
 
 
 @dataclass
@@ -83,18 +91,14 @@ class LanePipeline:
         camera: StereoCamera,
         stamp_ns: int,
         config: DetectorConfig,
-        unaided: LaneDetection | None = None,
+        disparity: DisparityMap | None = None,
     ) -> FrameResult:
         """Return the lanes of the frame of `stamp_ns`, in the light of those before.
 
-        `unaided` is what `LaneDetector.detect` has found in this frame without a prior, in another process
-        for example: it serves where the prior would change nothing.
+        `disparity` is what `LaneDetector.match` gave for this frame, in another process for example.
         """
         prior = self._predict(_nominal_road(camera, config), stamp_ns, config)
-        if unaided is None or _changes(prior, unaided):
-            detection = self._detector_for(camera, config).detect(frame, prior)
-        else:
-            detection = unaided
+        detection = self._detector_for(camera, config).detect(frame, prior, disparity)
         watch = Stopwatch(detection.seconds)
         with watch("tracking"):
             self._road.update(detection.road)
@@ -117,9 +121,11 @@ class LanePipeline:
             self._memory = _Memory(nominal.camera)
         memory = self._memory
         memory.stamp_ns = stamp_ns
-        fresh = config.tracking.enabled and stamp_ns - memory.axis_ns <= AXIS_MEMORY_NS
         gate = self._road.predict(nominal, stamp_ns)
-        return Prior(gate, memory.axis if fresh else None, memory.lanes)
+        if not config.tracking.enabled or stamp_ns - memory.course_ns > COURSE_MEMORY_NS:
+            return Prior(gate, lanes=memory.lanes)
+        due = stamp_ns - memory.voted_ns >= VOTE_PERIOD_NS
+        return Prior(gate, memory.surface, memory.axis, None if due else memory.paint, memory.lanes)
 
     def _detector_for(self, camera: StereoCamera, config: DetectorConfig) -> LaneDetector:
         detector = self._detector
@@ -130,8 +136,11 @@ class LanePipeline:
     def _tracked(self, detection: LaneDetection, stamp_ns: int, config: DetectorConfig) -> tuple[Lane, ...]:
         """Return the lanes of a detection with identities, and remember what the next prior needs."""
         memory, measured = self._memory, detection.road_estimate.source == "measured"
-        if measured and config.tracking.enabled and detection.lanes and detection.birds_eye is not None:
-            memory.axis, memory.axis_ns = detection.birds_eye.axis, stamp_ns
+        if measured:
+            seen = detection.birds_eye if detection.lanes else None
+            memory.surface, memory.course_ns = detection.road, stamp_ns
+            memory.axis, memory.paint = None if seen is None else seen.axis, detection.score
+            memory.voted_ns = stamp_ns if detection.voted else memory.voted_ns
         self._tracker.config = config.tracking
         self._tracker.half_width = config.birds_eye.width / 2
         lanes = self._tracker.update(detection.lanes, stamp_ns)
@@ -158,13 +167,5 @@ class LanePipeline:
         return self._monitor.update(Observation(stamp_ns, road, lanes, rows), _nominal_road(camera, config))
 
 
-def _changes(prior: Prior, unaided: LaneDetection) -> bool:
-    """Return whether a prior would change what was found without it."""
-    if prior.road(unaided.road).source != "measured":
-        return True
-    axis = unaided.birds_eye.axis if unaided.birds_eye is not None else None
-    return axis is not None and prior.axis is not None and jumps(axis, prior.axis)
-
-
 def _nominal_road(camera: StereoCamera, config: DetectorConfig) -> RoadSurface:
-    return RoadSurface.plane(camera, config.road_profile.camera_height, config.road_profile.camera_pitch)
+    return VerticalCurve.plane(camera, config.road_profile.camera_height, config.road_profile.camera_pitch)

@@ -33,12 +33,11 @@ from lane_dp_ros.core.types import StereoFrame
 
 @dataclass(frozen=True, eq=False)
 class RoadView:
-    """What is looked at: a grey frame, its disparity, the road's surface, and the plane that maps it."""
+    """What is looked at: a grey frame, its disparity, and the road's surface."""
 
     frame: StereoFrame
     disparity: DisparityMap
-    road_surface: RoadSurface
-    ipm_plane: RoadSurface
+    surface: RoadSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,17 +75,22 @@ class LaneSearch:
         )
 
     def along(
-        self, axis: RoadAxis, road: RoadView, rng: np.random.Generator, watch: Stopwatch
+        self,
+        axis: RoadAxis,
+        ipm_plane: RoadSurface,
+        road: RoadView,
+        rng: np.random.Generator,
+        watch: Stopwatch,
     ) -> SearchResult:
-        """Return the lane lines along `axis`; `watch` takes the time of each step."""
+        """Return the lane lines along `axis`, `ipm_plane` maps the road; `watch` takes each step's time."""
         with watch("birds_eye"):
             view = birds_eye_view(
                 road.frame.left,
                 road.disparity,
-                road.road_surface,
+                road.surface,
                 axis,
                 self._config.birds_eye,
-                road.ipm_plane,
+                ipm_plane,
             )
         with watch("paint_map"):
             paint = PaintProfile(view, self._paint_map.build(view, road.frame.right))
@@ -114,7 +118,12 @@ class LaneSearch:
         lines = [line for line in fitted if line is not None]
         if self._config.path_search.free_ends:
             config, blank_cost = self._config, self._config.path_search.blank_cost
-            lines = [extend_line(line, paint, blank_cost, config.extension) for line in lines]
+            lines = [
+                extend_line(
+                    line, paint, blank_cost, config.extension, [each for each in lines if each is not line]
+                )
+                for line in lines
+            ]
             lines = [end_at_stop_line(line, paint, blank_cost, config.stop_line) for line in lines]
         return lines
 

@@ -74,14 +74,17 @@ def as_measured(measured: RoadSurface | None) -> RoadEstimate:
 class Prior:
     """What the frames before say of this one.
 
-    `road` decides which surface of the road serves. `axis` is the road's axis of a moment ago: where this
-    frame's own jumps away from it, on a measured road, lanes are searched along both. `lanes` are those known
-    by now; where heights are not measured, doubtful lines are lanes only where they go on with one of these
-    (None: nothing is followed over time, doubtful lines are told with little confidence).
+    `road` decides which surface of the road serves; `surface` is the one that was measured a moment ago, and
+    `axis` the road's axis then: both are where the search in this frame begins. `paint` are the net metres of
+    it that there were along the axis; with much less there, or None, the edges vote for another one. `lanes`
+    are those known by now; where heights are not measured, doubtful lines are lanes only where they go on
+    with one of these (None: nothing is followed over time, doubtful lines are told with little confidence).
     """
 
     road: RoadGate = as_measured
+    surface: RoadSurface | None = None
     axis: RoadAxis | None = None
+    paint: float | None = None
     lanes: tuple[Lane, ...] | None = None
 
 

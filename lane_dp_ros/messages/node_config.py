@@ -20,6 +20,14 @@ RENAMED = {
     "tracking.bridge_time": "tracking.coast_time",
     "lane_selection.roughness_max": "lane_selection.texture_max",
 }
+SMALLER = "disparity.correlation_window_size and speckle_size count larger pixels now, leave them out, too"
+# Parameters of before, which a file may still hold for one release, and what is there in their place.
+REMOVED = {
+    "disparity.disparity_range": f"it follows from the camera's height and the image; {SMALLER}",
+    "disparity.downscale": f"it follows from the camera's height and the image; {SMALLER}",
+    "road_profile.roll": "the cross slope is always measured, but by road_profile.model quadratic",
+    "road_profile.residual_threshold": "it follows from what the matcher resolves",
+}
 EVERY_NODE = ("use_sim_time", "start_type_description_service")  # ROS gives these to every node
 
 
@@ -51,15 +59,18 @@ def all_parameters(preset_name: str = "default", expert: bool = False) -> dict[s
 
 
 def with_current_names(values: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Return values by the parameters' names of today, and a line for each that came under an old name.
+    """Return values by the parameters' names of today, and a line for each old name.
 
-    Of a value that came under both names the one under today's name is taken.
+    Of a value that came under both names the one under today's name is taken; those of parameters that are
+    no more are left out.
     """
+    removed = [f"{name} is no more, left out: {REMOVED[name]}" for name in values if name in REMOVED]
+    values = {name: value for name, value in values.items() if name not in REMOVED}
     current = {name: value for name, value in values.items() if current_name(name) == name}
     old = {name: value for name, value in values.items() if current_name(name) != name}
     for name, value in old.items():
         current.setdefault(current_name(name), value)
-    return current, [f"{name} is {current_name(name)} now, take that name" for name in old]
+    return current, [*(f"{name} is {current_name(name)} now, take that name" for name in old), *removed]
 
 
 def current_name(name: str) -> str:

@@ -28,6 +28,8 @@ class StereoInput:
     stamp_ns: int
     camera: StereoCamera | None = None
     problem: str = ""
+    disparity: DisparityMap | None = None
+    """What `LaneDetector.match` gave for the frame, where that was asked for."""
 
 
 def read_pair(pair: StereoPair, infos: tuple[Any, Any]) -> StereoInput:
@@ -46,40 +48,34 @@ def read_pair(pair: StereoPair, infos: tuple[Any, Any]) -> StereoInput:
         return StereoInput(StereoFrame(left), pair.stamp_ns, problem=one_line(error))
 
 
-@dataclass(frozen=True, eq=False)
-class Unaided:
-    """A pair that was read, and what was found in it without a prior, None where nothing was looked for."""
+def match_pair(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> StereoInput:
+    """Return what a pair holds, with its disparity: the work that needs no pair before it.
 
-    read: StereoInput
-    detection: LaneDetection | None = None
-
-    @property
-    def problem(self) -> str:
-        """One line that says what is wrong, or empty: lanes may be missing from a road, a road may not."""
-        without_road = self.detection is not None and self.detection.road is None
-        return self.read.problem or (self.detection.note if self.detection and without_road else "")
-
-    def small(self) -> Unaided:
-        """Return it without what no lanes are made of: small enough to be sent to another process."""
-        if self.detection is None:
-            return self
-        disparity = DisparityMap.unknown(self.detection.disparity.shape)
-        kept = replace(self.detection, disparity=disparity, paint_map=None, paths=(), candidates=())
-        return Unaided(self.read, kept)
+    Raises ValueError when an image cannot be read. All else that goes wrong is the input's `problem`.
+    """
+    read = read_pair(pair, infos)
+    if read.camera is None:
+        return read
+    try:
+        return replace(read, disparity=LaneDetector(read.camera, config).match(read.frame))
+    except Exception as error:  # noqa: BLE001 - as above
+        return replace(read, camera=None, problem=one_line(error))
 
 
-def detect_unaided(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Unaided:
-    """Return what is found in a pair without those before it.
+def detect_alone(
+    pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig
+) -> tuple[StereoInput, LaneDetection | None]:
+    """Return a pair, read, and what is found in it without those before; None where there is no stereo pair.
 
     Raises ValueError when an image cannot be read. All else that goes wrong is the input's `problem`.
     """
     read = read_pair(pair, infos)
     if read.camera is None or read.frame.right is None:
-        return Unaided(read)
+        return read, None
     try:
-        return Unaided(read, LaneDetector(read.camera, config).detect(read.frame))
+        return read, LaneDetector(read.camera, config).detect(read.frame)
     except Exception as error:  # noqa: BLE001 - as above
-        return Unaided(replace(read, problem=one_line(error)))
+        return replace(read, problem=one_line(error)), None
 
 
 class StereoPipeline:
@@ -96,16 +92,15 @@ class StereoPipeline:
         watch = Stopwatch()
         with watch("conversion"):
             read = read_pair(pair, infos)
-        result = self.follow(Unaided(read), config)
+        result = self.follow(read, config)
         return replace(result, seconds={**watch.seconds, **result.seconds})
 
-    def follow(self, found: Unaided, config: DetectorConfig) -> FrameResult:
-        """Return the lanes of a pair in which was looked before, without those that came before it."""
-        read = found.read
+    def follow(self, read: StereoInput, config: DetectorConfig) -> FrameResult:
+        """Return the lanes of a pair that was read before."""
         if read.camera is None:  # nobody can tell where in this picture a line from before would be
             return FrameResult(read.frame, problem=read.problem)
         try:
-            return self._pipeline.process(read.frame, read.camera, read.stamp_ns, config, found.detection)
+            return self._pipeline.process(read.frame, read.camera, read.stamp_ns, config, read.disparity)
         except Exception as error:  # noqa: BLE001 - as above
             return FrameResult(read.frame, problem=one_line(error))
 

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import PIXELS, RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_pipeline import detect_unaided
+from lane_dp_ros.messages.stereo_pipeline import detect_alone
 from lane_dp_ros.messages.stereo_sync import StereoPair
 from lane_dp_ros.review.drive import Drive, Frame
 from lane_dp_ros.review.judgement import SIDES, Judgement, Line
@@ -28,6 +29,7 @@ NEAREST = 1.0  # m; nearer points project to anywhere
 STEP = 2.0  # px between the points that are written of a line drawn with few
 SIMPLE = 0.5  # px by which the points that one drags may leave the detected line
 FARTHEST = 80.0  # m; beyond, a pixel is metres long
+GROUND_ASIDE, GROUND_AHEAD = np.linspace(-6, 6, 7), np.linspace(5, 35, 31)  # m; where a ground is fitted
 
 
 class Known(NamedTuple):
@@ -46,25 +48,25 @@ class Grounds:
     detector: DetectorConfig
 
     def __post_init__(self) -> None:
-        self._known: dict[int, RoadSurface | None] = {}
+        self._known: dict[int, QuadraticSurface | None] = {}
 
-    def of(self, frame: Frame) -> RoadSurface | None:
+    def of(self, frame: Frame) -> QuadraticSurface | None:
         """Return the road surface that is detected, else the one through the lanes, else None."""
         if frame.stamp_ns not in self._known:
             self._known[frame.stamp_ns] = self._detected(frame) or ground_through(frame.lanes, frame.camera)
         return self._known[frame.stamp_ns]
 
-    def _detected(self, frame: Frame) -> RoadSurface | None:
+    def _detected(self, frame: Frame) -> QuadraticSurface | None:
         right = self.drive.right_message(frame, round(self.node.sync_tolerance * 1e9))
         if right is None or "right" not in frame.infos:
             return None
         pair = StereoPair(self.drive.left_message(frame), right, frame.stamp_ns)
         infos = frame.infos["left"], frame.infos["right"]
-        found = detect_unaided(pair, infos, self.detector)
-        return found.detection.road if found.detection else None
+        _, found = detect_alone(pair, infos, self.detector)
+        return None if found is None or found.road is None else as_ground(found.road)
 
 
-def ground_through(lanes: tuple[Lane, ...], camera: StereoCamera) -> RoadSurface | None:
+def ground_through(lanes: tuple[Lane, ...], camera: StereoCamera) -> QuadraticSurface | None:
     """Return the surface d = g0 + g1 n + g2 n^2 + g3 m nearest to the points of lanes, None without lanes.
 
     One line alone tells nothing of the cross slope: that is taken as zero.
@@ -75,13 +77,26 @@ def ground_through(lanes: tuple[Lane, ...], camera: StereoCamera) -> RoadSurface
     points = points[points[:, 2] > NEAREST]
     u, v = camera.project(points).T
     disparity = camera.fx * camera.baseline / (points[:, 2] + camera.left_translation[2])
-    n, m = (v - camera.cy) / PIXELS, (u - camera.cx) / PIXELS
-    columns = np.column_stack([np.ones_like(n), n, n**2, m])[:, : 4 if len(lanes) > 1 else 3]
-    if len(points) < 2 * columns.shape[1]:
+    return _nearest_ground(camera, u, v, disparity, 4 if len(lanes) > 1 else 3)
+
+
+def as_ground(surface: RoadSurface) -> QuadraticSurface | None:
+    """Return the ground of the truth format nearest to a measured surface, as a scene's truth has it."""
+    x, z = (each.ravel() for each in np.meshgrid(GROUND_ASIDE, GROUND_AHEAD))
+    u, v = surface.ground_to_pixel(x, z)
+    return _nearest_ground(surface.camera, u, v, surface.disparity(u, v), 4)
+
+
+def _nearest_ground(
+    camera: StereoCamera, u: Floats, v: Floats, disparity: Floats, terms: int
+) -> QuadraticSurface | None:
+    """Return the quadratic nearest to disparities (N,) [px] at pixels, of its first `terms` coefficients."""
+    columns = QuadraticSurface(camera, (0.0, 0.0, 0.0, 0.0)).jacobian(u, v)[:terms].T
+    if len(columns) < 2 * terms:
         return None
     fitted = np.linalg.lstsq(columns, disparity, rcond=None)[0].tolist()
     b0, b1, b2, b3 = (*fitted, 0.0)[:4]
-    return RoadSurface(camera, (b0, b1, b2, b3))
+    return QuadraticSurface(camera, (b0, b1, b2, b3))
 
 
 def image_points(lane: Lane, camera: StereoCamera) -> Floats:
@@ -148,7 +163,7 @@ def _unknown(judgement: Judgement, roles: set[str]) -> str:
     return ""
 
 
-def _label(line: Line, ground: RoadSurface) -> Label | None:
+def _label(line: Line, ground: QuadraticSurface) -> Label | None:
     """Return a line as a label; None when it has no two points on the ground."""
     uv = _dense(np.array(line.uv))
     x, z = ground.pixel_to_ground(uv[:, 0], uv[:, 1])
@@ -168,7 +183,7 @@ def _dense(uv: Floats) -> Floats:
 
 
 def _labelled(
-    drive: Drive, frame: Frame, lines: tuple[Line, ...], labels: tuple[Label, ...], ground: RoadSurface
+    drive: Drive, frame: Frame, lines: tuple[Line, ...], labels: tuple[Label, ...], ground: QuadraticSurface
 ) -> LabelledFrame:
     camera = ground.camera
     egos = {line.role: line.id for line in lines}

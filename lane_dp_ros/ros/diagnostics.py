@@ -33,9 +33,9 @@ class FrameReport:
     """What became of one pair.
 
     `time` [s] is when it was answered; `latency` [s] from its arrival to the published lanes; `seconds` per
-    stage; `road_profile` where the road is from; `problem` one line that says what is wrong, or empty; `note`
-    what the detector has to say; `failed` when the pair gave no detection at all; `check` is that of
-    the calibration.
+    stage; `road_profile` where the road is from; `depth_deviation` [m] the standard deviation of its depth at
+    25 m; `problem` one line that says what is wrong, or empty; `note` what the detector has to say; `failed`
+    when the pair gave no detection at all; `check` is that of the calibration.
     """
 
     time: float
@@ -44,6 +44,7 @@ class FrameReport:
     seconds: Mapping[str, float] = field(default_factory=dict)
     camera_height: float | None = None
     pitch: float | None = None
+    depth_deviation: float | None = None
     road_profile: str = ""
     problem: str = ""
     note: str = ""
@@ -164,6 +165,7 @@ class Health:
             "road profile": last.road_profile,
             "camera height [m]": _number(last.camera_height, 2),
             "camera pitch [rad]": _number(last.pitch, 4),
+            "depth deviation at 25 m [m]": _number(last.depth_deviation, 2),
             **_calibration_values(last.check),
             "last problem": self._last_problem,
         }

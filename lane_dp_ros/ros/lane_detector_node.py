@@ -38,6 +38,7 @@ from lane_dp_ros.ros.worker import LatestOnlyWorker
 
 LOG_PERIOD = 5.0  # s; the same complaint is logged no more often
 REPORT_PERIOD = 1.0  # s
+DEVIATION_DEPTH = 25.0  # m; where it is told how sure the road's depth is
 
 
 class LaneDetectorNode(Node):
@@ -147,6 +148,7 @@ def _frame_report(result: FrameResult, now: float, latency: float, seconds: dict
         seconds=seconds,
         camera_height=road.camera_height if road else None,
         pitch=road.pitch if road else None,
+        depth_deviation=road.depth_deviation_ahead(DEVIATION_DEPTH) if road else None,
         road_profile=result.road_profile,
         problem=result.problem,
         note=detection.note if detection else "",

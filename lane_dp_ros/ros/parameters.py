@@ -13,6 +13,7 @@ from rclpy.parameter import Parameter as RosParameter
 
 from lane_dp_ros.core.parameter import Parameter, Value
 from lane_dp_ros.messages.node_config import (
+    REMOVED,
     NodeConfig,
     all_parameters,
     configs,
@@ -107,7 +108,7 @@ def _given(node: Node) -> dict[str, Any]:
             f"Parameters that this node does not have are ignored: {', '.join(unknown)}"
         )
     for name in values:
-        if current_name(name) in known:
+        if current_name(name) in known or name in REMOVED:
             node.undeclare_parameter(name)
     return given
 

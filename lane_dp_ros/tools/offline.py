@@ -30,7 +30,7 @@ from lane_dp_ros.messages.node_config import (
 )
 from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
 from lane_dp_ros.messages.stereo_bag import BagPair, find_stereo_topics, read_stereo_pairs, sync_of_bag
-from lane_dp_ros.messages.stereo_pipeline import StereoPipeline, Unaided, detect_unaided
+from lane_dp_ros.messages.stereo_pipeline import StereoInput, StereoPipeline, match_pair
 from lane_dp_ros.messages.stereo_sync import SIDES
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.parameter_file import read_parameter_file
@@ -126,23 +126,22 @@ def answered(
 ) -> Iterator[Iterator[tuple[BagPair, FrameResult | str]]]:
     """Open an iterator over the pairs with their answers, tracked, from `jobs` processes, in order.
 
-    A str in place of an answer says why the pair cannot be read. With several processes each pair is looked
-    at without those before it first, and once more, in order, where these would change what was found; so the
-    answers do not depend on `jobs`.
+    A str in place of an answer says why the pair cannot be read. With several processes all but one read
+    pairs and match them, the work that needs no pair before; the answers do not depend on `jobs`.
     """
     pipeline = StereoPipeline(monitored=False)
     if jobs == 1:
         yield ((bag_pair, _answer(partial(pipeline.answer, *bag_pair[:2]), config)) for bag_pair in pairs)
         return
-    with parallel_map(partial(_detected, config), pairs, jobs) as detected:
+    with parallel_map(partial(_matched, config), pairs, jobs) as matched:
         yield (
             (bag_pair, found if isinstance(found, str) else _answer(partial(pipeline.follow, found), config))
-            for bag_pair, found in detected
+            for bag_pair, found in matched
         )
 
 
-def _detected(config: DetectorConfig, bag_pair: BagPair) -> Unaided | str:
-    return _read(lambda: detect_unaided(bag_pair.pair, bag_pair.infos, config).small())
+def _matched(config: DetectorConfig, bag_pair: BagPair) -> StereoInput | str:
+    return _read(lambda: match_pair(bag_pair.pair, bag_pair.infos, config))
 
 
 def _answer(answer: Callable[[DetectorConfig], FrameResult], config: DetectorConfig) -> FrameResult | str:

@@ -3,9 +3,9 @@
 """Cameras, roads drawn from their geometry, a rendered stereo pair, and input that must not crash a stage."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -17,6 +17,7 @@ from lane_dp_ros.core.birdseye.paint_map import BandsPaintMap, PaintMapConfig
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
@@ -33,6 +34,25 @@ SCENES = {
     "left": Road(curvature=-0.008, swing=0),
     "right": Road(curvature=0.006, swing=0),
 }
+
+
+@dataclass(frozen=True)
+class ParabolicRoad(Road):
+    """A road on a parabola of the curvature `bend` [1/m] along it, positive in a sag, negative on a crest."""
+
+    bend: float = 0.0
+
+    @property
+    def is_flat(self) -> bool:
+        """See `Road`."""
+        return False
+
+    def level(self, s: np.ndarray, n: np.ndarray, position: float) -> np.ndarray:
+        """See `Road`."""
+        return self.bend / 2 * (s - position) ** 2 + np.zeros_like(n)
+
+    def _climb(self, s: Any) -> Any:
+        return self.bend * s
 
 
 class Awkward(NamedTuple):
@@ -79,13 +99,14 @@ def camera() -> StereoCamera:
 def disparity_of() -> Callable[..., DisparityMap]:
     """Return a function: the disparity of a road without anything on it, NaN above the horizon.
 
-    It is matched at full resolution: `matched` is the picture, to be drawn on.
+    It is matched in cells of `cell` px, by default at full resolution: `matched` is to be drawn on.
     """
 
-    def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE) -> DisparityMap:
-        v, u = np.mgrid[: shape[0], : shape[1]].astype(np.float32)
+    def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE, cell: int = 1) -> DisparityMap:
+        empty = DisparityMap(shape, 0, np.zeros((shape[0] // cell, shape[1] // cell), np.float32))
+        u, v = np.meshgrid(*empty.centres)
         disparity = surface.disparity(u, v)
-        return DisparityMap(shape, 0, np.where(disparity > 0, disparity, np.nan).astype(np.float32))
+        return replace(empty, matched=np.where(disparity > 0, disparity, np.nan).astype(np.float32))
 
     return disparity_of
 
@@ -120,13 +141,26 @@ def right_of() -> Callable[..., np.ndarray]:
     return right_of
 
 
+@pytest.fixture(scope="session")
+def hill_of(rendered) -> Callable[[float], ScenePair]:
+    """Return a function: the rendered pair, grey, of a road 1.65 m below the camera on a parabola."""
+
+    def hill_of(bend: float) -> ScenePair:
+        return _grey(rendered(render_pair, ParabolicRoad(swing=0, bend=bend), 50.0, 3))
+
+    return hill_of
+
+
 @pytest.fixture(scope="session", params=SCENES, ids=str)
 def scene(request, rendered) -> tuple[Road, ScenePair]:
     """A rendered stereo pair, grey, and the road in it: all is known exactly."""
     road = SCENES[request.param]
-    pair = rendered(render_pair, road, 50.0, 3)
+    return road, _grey(rendered(render_pair, road, 50.0, 3))
+
+
+def _grey(pair: ScenePair) -> ScenePair:
     left, right = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (pair.left, pair.right))
-    return road, replace(pair, left=left, right=right)
+    return replace(pair, left=left, right=right)
 
 
 @pytest.fixture(scope="session")
@@ -178,7 +212,7 @@ class PaintedRoad:
 
     def view(self) -> BirdsEyeView:
         """Return the bird's-eye view, 1.65 m below a camera that looks straight ahead."""
-        surface = RoadSurface.plane(PAINTED_CAMERA, height=1.65, pitch=0.0)
+        surface = QuadraticSurface.plane(PAINTED_CAMERA, height=1.65, pitch=0.0)
         x, z = self.axis.to_ground(self.s[:, None], self.n[None])
         u, v = (a.astype(np.float32) for a in surface.ground_to_pixel(x, z))
         image = np.clip(np.rint(self.grey), 0, 255).astype(np.uint8)

@@ -64,7 +64,7 @@ PAPER = {  # section V and VI of the paper; resolution and band as in the author
     "lane_model.model": "parabola",
     "vanishing_point.method": "dense",
     "vanishing_point.centred_principal_point": True,
-    "road_profile.roll": False,
+    "road_profile.model": "quadratic",
 }
 
 

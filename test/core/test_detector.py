@@ -9,7 +9,7 @@ import pytest
 from lane_dp_ros.core.birdseye.paint_map import BandsPaintMap
 from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.detector import LaneDetector
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import Prior, RoadEstimate, StereoFrame
 from lane_dp_ros.scenes import CAMERA, SIZE, Road, render_pair
@@ -52,7 +52,7 @@ def detection(pair):
 
 def lateral_errors(road, lane, truth):
     """Return |x - true x| [m] along a lane, on the rendered road: both are taken there from the picture."""
-    ground = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    ground = QuadraticSurface.plane(CAMERA, road.camera_height, road.pitch)
     (x, z), (true_x, true_z) = (
         ground.pixel_to_ground(*CAMERA.project(line).T) for line in (lane.points, truth)
     )
@@ -98,7 +98,7 @@ def test_the_road_is_that_of_the_scene(road_pair):
 
 def test_the_left_picture_alone_finds_the_lines_on_a_road_that_is_given(road_pair):
     road, pair = road_pair
-    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    surface = QuadraticSurface.plane(CAMERA, road.camera_height, road.pitch)
     given = Prior(lambda _: RoadEstimate(surface, "nominal"))
     found = LaneDetector(CAMERA).detect(StereoFrame(pair.left), given)
     assert found.road_estimate.surface is found.birds_eye.road_surface is surface
@@ -152,6 +152,29 @@ def test_the_same_pair_gives_the_same_lanes_bit_for_bit(pair, name):
             np.testing.assert_array_equal(a.points, b.points)
             assert (a.confidence, a.paint_width, a.role) == (b.confidence, b.paint_width, b.role)
         np.testing.assert_array_equal(first.disparity.full, again.disparity.full)
+
+
+@pytest.mark.parametrize("name", ["default", "paper"])
+def test_a_disparity_that_was_matched_before_gives_the_same_lanes_bit_for_bit(pair, name):
+    detector, frame = LaneDetector(CAMERA, preset(name)), StereoFrame(pair.left, pair.right)
+    first, matched = detector.detect(frame), LaneDetector(CAMERA, preset(name)).match(frame)
+    np.testing.assert_array_equal(first.disparity.matched, matched.matched)
+    again = detector.detect(frame, disparity=matched)
+    assert again.disparity is matched
+    assert again.road == first.road == detector.measure_road(frame, matched)
+    assert again.score == first.score
+    assert len(again.lanes) == len(first.lanes) > 0
+    for a, b in zip(first.lanes, again.lanes, strict=True):
+        np.testing.assert_array_equal(a.points, b.points)
+        assert (a.confidence, a.paint_width, a.role) == (b.confidence, b.paint_width, b.role)
+
+
+def test_of_a_left_image_alone_nothing_is_matched_and_no_road_measured(pair):
+    detector, left = LaneDetector(CAMERA), StereoFrame(pair.left)
+    matched = detector.match(left)
+    assert matched.shape == (ROWS, COLUMNS)
+    assert np.isnan(matched.matched).all()
+    assert detector.measure_road(left, matched) is None
 
 
 def test_grey_pictures_give_the_lanes_of_coloured_ones(pair, detection):

@@ -1,22 +1,23 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the frames before say of a frame: along another axis there may be more paint, another road serves."""
+"""What the frames before say of a frame: where to begin, along which axis, and that another road serves."""
 
 import numpy as np
 import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
-from lane_dp_ros.core.detector import LaneDetector, jumps
+from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.road_surface import geometry
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.road import vanishing_point
+from lane_dp_ros.core.search import LaneSearch
 from lane_dp_ros.core.types import Prior, RoadEstimate, StereoFrame
 from lane_dp_ros.scenes import CAMERA, Road, render_pair
 
 DETECTOR = LaneDetector(CAMERA)
 ASKEW = RoadAxis(0.4, -0.03)
-KNOWN = RoadAxis(0.1, 0.03)
 
 
 @pytest.fixture(scope="module")
@@ -43,38 +44,103 @@ def assert_same_lanes(found, expected):
         assert (lane.role, lane.confidence) == (before.role, before.confidence)
 
 
-@pytest.mark.parametrize(
-    ("heading", "curvature", "is_jump"),
-    [
-        (0.0, 0.0, False),
-        (0.045, -0.009, False),
-        (-0.045, 0.009, False),
-        (0.055, 0.0, True),
-        (-0.055, 0.0, True),
-        (0.0, 0.011, True),
-        (0.0, -0.011, True),
-    ],
-)
-def test_only_more_than_roads_and_vehicles_do_is_a_jump_of_the_axis(heading, curvature, is_jump):
-    axis = RoadAxis(KNOWN.heading + heading, KNOWN.curvature + curvature)
-    assert jumps(axis, KNOWN) == jumps(KNOWN, axis) == is_jump
+@pytest.fixture
+def searched(monkeypatch):
+    """The axes along which lanes are searched, in order."""
+    axes, along = [], LaneSearch.along
+
+    def recorded(self, axis, *rest):
+        axes.append(axis)
+        return along(self, axis, *rest)
+
+    monkeypatch.setattr(LaneSearch, "along", recorded)
+    return axes
 
 
 def test_a_prior_axis_with_less_paint_changes_nothing_but_the_time(frame, detection):
-    again = DETECTOR.detect(frame, Prior(axis=ASKEW))
+    """The edges are asked, too, and there is more paint along theirs."""
+    again = DETECTOR.detect(frame, Prior(axis=ASKEW, paint=detection.score))
     assert_same_lanes(again, detection)
     assert again.birds_eye.axis == detection.birds_eye.axis
     assert again.direction == detection.direction
     assert again.score == detection.score > 0
-    assert list(again.seconds) == list(detection.seconds)
+    assert set(again.seconds) == set(detection.seconds)
+
+
+def test_where_the_prior_axis_explains_the_pair_the_edges_are_not_asked(frame, detection, searched):
+    own = detection.birds_eye.axis
+    found = DETECTOR.detect(frame, Prior(axis=own, paint=detection.score))
+    assert searched == [own]
+    assert set(detection.seconds) - set(found.seconds) == {"vanishing_point"}
+    assert found.score == detection.score
+    assert found.direction == detection.direction
+    assert_same_lanes(found, detection)
+
+
+@pytest.mark.parametrize(("found_of_known", "voted"), [(0.81, False), (0.79, True)])
+def test_the_edges_are_asked_where_a_fifth_of_the_paint_is_missing(frame, detection, found_of_known, voted):
+    known = detection.birds_eye.axis
+    found = DETECTOR.detect(frame, Prior(axis=known, paint=detection.score / found_of_known))
+    assert ("vanishing_point" in found.seconds) == voted
+
+
+def test_where_no_paint_is_known_along_the_prior_axis_the_edges_vote_and_have_more(
+    frame, detection, searched
+):
+    """Both axes are searched, the prior's first."""
+    found = DETECTOR.detect(frame, Prior(axis=ASKEW))
+    assert searched[0] == ASKEW and len(set(searched)) > 1
+    assert found.voted
+    assert found.birds_eye.axis == detection.birds_eye.axis
+    assert_same_lanes(found, detection)
 
 
 @pytest.mark.usefixtures("misled")
-def test_the_prior_axis_brings_the_lanes_back(frame, detection):
+def test_where_no_paint_is_known_along_the_prior_axis_it_may_have_more_than_the_edges(
+    frame, detection, searched
+):
+    own = detection.birds_eye.axis
+    found = DETECTOR.detect(frame, Prior(axis=own))
+    assert searched[:2] == [own, ASKEW]
+    assert found.voted
+    assert found.birds_eye.axis == own
+    assert_same_lanes(found, detection)
+
+
+def test_it_is_told_whether_the_edges_voted(frame, detection, monkeypatch):
+    asked, estimate = [], vanishing_point.ArcVanishingPoint.estimate
+
+    def recorded(*given):
+        asked.append(given)
+        return estimate(*given)
+
+    monkeypatch.setattr(vanishing_point.ArcVanishingPoint, "estimate", recorded)
+    axis, paint = detection.birds_eye.axis, detection.score
+    wall = StereoFrame(frame.left, frame.left)
+    for pair, prior in [
+        (frame, Prior()),
+        (frame, Prior(paint=paint)),  # without an axis
+        (frame, Prior(axis=axis)),
+        (frame, Prior(axis=axis, paint=paint)),
+        (frame, Prior(axis=axis, paint=2 * paint)),
+        (wall, Prior(axis=axis)),  # without a road
+        (wall, given(detection.road, "last")),
+    ]:
+        asked.clear()
+        assert DETECTOR.detect(pair, prior).voted == (len(asked) == 1)
+        assert len(asked) <= 1
+    assert not DETECTOR.detect(wall, Prior(axis=axis)).voted
+    assert not DETECTOR.detect(frame, Prior(axis=axis, paint=paint)).voted
+
+
+@pytest.mark.usefixtures("misled")
+@pytest.mark.parametrize("share", [1.0, 2.0], ids=["all its paint", "half its paint"])
+def test_the_prior_axis_brings_the_lanes_back(frame, detection, share):
+    """Even where it does not explain the pair, it has more paint than the axis of the edges."""
     alone = DETECTOR.detect(frame)
     assert alone.score < detection.score
     assert alone.birds_eye.axis != detection.birds_eye.axis
-    found = DETECTOR.detect(frame, Prior(axis=detection.birds_eye.axis))
+    found = DETECTOR.detect(frame, Prior(axis=detection.birds_eye.axis, paint=share * detection.score))
     assert found.score == detection.score
     assert_same_lanes(found, detection)
     np.testing.assert_array_equal(found.paint_map.feature, detection.paint_map.feature)  # both images served
@@ -82,29 +148,45 @@ def test_the_prior_axis_brings_the_lanes_back(frame, detection):
     assert not found.note
 
 
-def test_a_prior_axis_near_that_of_the_frame_is_not_searched(frame, detection, monkeypatch):
-    """Less than a jump is the road or the vehicle: what this frame shows counts."""
-    searched = []
-    along = DETECTOR._search.along
-
-    def recorded(axis, *rest):
-        searched.append(axis)
-        return along(axis, *rest)
-
-    monkeypatch.setattr(DETECTOR._search, "along", recorded)
+def test_a_prior_axis_that_is_a_little_askew_is_turned_along_the_paint(frame, detection, searched):
+    """As the axis of the edges is: no vote is needed where the road turns slowly."""
     own = detection.birds_eye.axis
-    near, far = RoadAxis(own.heading + 0.04, own.curvature), RoadAxis(own.heading + 0.06, own.curvature)
-    DETECTOR.detect(frame, Prior(axis=near))
-    assert near not in searched
-    DETECTOR.detect(frame, Prior(axis=far))
-    assert far in searched
+    askew = RoadAxis(own.heading + 0.1, own.curvature)
+    found = DETECTOR.detect(frame, Prior(axis=askew, paint=detection.score))
+    assert "vanishing_point" not in found.seconds
+    assert searched == [askew, found.birds_eye.axis]
+    assert found.birds_eye.axis.heading == pytest.approx(own.heading, abs=0.02)
+    assert found.score == pytest.approx(detection.score, rel=0.1)
+
+
+def test_the_papers_vanishing_point_follows_no_axis(frame):
+    """Its plane of the road is that of the frame."""
+    detector = LaneDetector(CAMERA, replaced(DetectorConfig(), {"vanishing_point.method": "dense"}))
+    alone = detector.detect(frame)
+    found = detector.detect(frame, Prior(axis=alone.birds_eye.axis, paint=alone.score))
+    assert list(found.seconds) == list(alone.seconds)
+    assert found.direction == alone.direction
+    assert_same_lanes(found, alone)
+    assert detector.detect(frame, Prior(axis=ASKEW)).direction == alone.direction
+
+
+def test_the_surface_of_a_moment_ago_is_where_the_fit_begins(frame, detection):
+    """As long as more of the pair lies on it; the road that is found is that of this pair."""
+    disparity = DETECTOR.match(frame)
+    high = VerticalCurve.plane(CAMERA, 2.2, 0.1)
+    for known in (None, detection.road, high):
+        found = DETECTOR.detect(frame, Prior(surface=known))
+        assert found.road == DETECTOR.measure_road(frame, disparity, known)
+        moved = np.abs(geometry(found.road) - geometry(detection.road))
+        assert np.all(moved < [1e-3, 1e-4, 1e-5, 1e-4])  # m, rad, 1/m, rad
+    assert DETECTOR.measure_road(frame, disparity, high) == DETECTOR.measure_road(frame, disparity)
 
 
 @pytest.mark.parametrize("method", ["arc", "dense"])
 def test_the_direction_is_the_one_along_which_lanes_were_found(frame, method):
-    """By either method: the plane that maps the road is the one that was looked through."""
+    """By either method, voted, known or turned: the plane that maps the road is the one looked through."""
     config = replaced(DetectorConfig(), {"vanishing_point.method": method})
-    for prior in (Prior(), Prior(axis=RoadAxis(-0.06, 0.006)), Prior(axis=RoadAxis(0.06, 0.006))):
+    for prior in (Prior(), *(Prior(axis=RoadAxis(heading, 0.006), paint=60.0) for heading in (-0.06, 0.06))):
         found = LaneDetector(CAMERA, config).detect(frame, prior)
         assert found.direction.axis == found.birds_eye.axis
         assert found.direction.ipm_plane == found.birds_eye.ipm_plane
@@ -124,7 +206,7 @@ def given(surface, source, reason=""):
 @pytest.mark.parametrize("source", ["last", "nominal"])
 def test_where_another_road_serves_the_left_image_is_looked_at_alone(frame, detection, source):
     """What was measured is kept to be told; heights are unknown, and nothing is taken for standing things."""
-    surface = RoadSurface.plane(CAMERA, 1.65, 0.0)
+    surface = VerticalCurve.plane(CAMERA, 1.65, 0.0)
     found = DETECTOR.detect(frame, given(surface, source, "pitch 0.1 rad after 0"))
     assert found.road_estimate == RoadEstimate(surface, source, "pitch 0.1 rad after 0")
     assert found.note == "the road contradicts the one before: pitch 0.1 rad after 0"

@@ -28,6 +28,7 @@ Detections = list[tuple[int, StereoFrame, LaneDetection]]  # stamp [ns], frame, 
 
 HATCHED = 16  # by itself this frame's hatching is taken for the direction of the road
 BEFORE_HATCHED = 10
+DEPTH = 15.0  # m
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +54,8 @@ def labels(kitti_data):
 def followed(camera: StereoCamera, detections: Detections, enabled: bool = True) -> list[FrameResult]:
     pipeline, config = LanePipeline(), replaced(DetectorConfig(), {"tracking.enabled": enabled})
     return [
-        pipeline.process(frame, camera, stamp_ns, config, unaided) for stamp_ns, frame, unaided in detections
+        pipeline.process(frame, camera, stamp_ns, config, alone.disparity)
+        for stamp_ns, frame, alone in detections
     ]
 
 
@@ -77,6 +79,15 @@ def test_every_painted_line_keeps_its_id(name, detected, labels):
     assert judged(name, camera, tracked(camera, frames), labels).id_switches == 0
 
 
+@pytest.mark.parametrize(("name", "recall", "detection_precision"), [("01", 0.77, 0.96), ("02", 1.0, 1.0)])
+def test_frames_in_order_show_the_lines(name, recall, detection_precision, detected, labels):
+    camera, frames = detected(name)
+    found = judged(name, camera, tracked(camera, frames), labels)
+    assert found.paper_precision == 1
+    assert found.lane_recall >= recall
+    assert found.detection_precision >= detection_precision
+
+
 @pytest.mark.parametrize("name", DRIVES)
 def test_tracking_finds_no_less_and_invents_nothing(name, detected, labels):
     camera, frames = detected(name)
@@ -94,8 +105,8 @@ def test_tracking_is_as_exact_as_each_frame_by_itself(detected, labels):
         for i, enabled in enumerate((False, True)):
             sums[i] += judged(name, camera, tracked(camera, frames, enabled), labels)
     alone, over_time = (total.localisation_error for total in sums)
-    assert over_time <= 0.014
-    assert over_time <= alone + 0.0005
+    assert over_time <= 0.0149
+    assert over_time <= alone + 0.001
 
 
 def test_lines_are_steady(detected, monkeypatch):
@@ -104,7 +115,7 @@ def test_lines_are_steady(detected, monkeypatch):
     from steady_lines import jitters
 
     values = [value for name in DRIVES for value in jitters(lanes for _, lanes in tracked(*detected(name)))]
-    assert np.mean(values) <= 0.0105
+    assert np.mean(values) <= 0.0111
 
 
 @pytest.mark.parametrize("name", DRIVES)
@@ -120,30 +131,58 @@ def at_ten_metres(lanes):
     return [float(np.interp(10.0, lane.points[:, 2], lane.points[:, 0])) for lane in lanes]
 
 
-def test_a_jump_of_the_roads_axis_is_looked_at_along_the_axis_before(detected):
+@pytest.mark.parametrize(("first", "voted"), [(0, False), (1, True)])
+def test_hatching_that_misleads_the_edges_does_no_harm(first, voted, detected):
+    """The axis of the frame before explains the pair, and has more paint than theirs where the edges vote."""
     camera, frames = detected("01")
-    frames = frames[BEFORE_HATCHED : HATCHED + 1]
-    held = followed(camera, frames)[-1]
-    alone, before = frames[-1][2], frames[-2][2]
+    *_, last, held = followed(camera, frames[first : HATCHED + 1])
+    before, alone = (frames[i][2] for i in (HATCHED - 1, HATCHED))
     assert abs(alone.birds_eye.axis.curvature - before.birds_eye.axis.curvature) > 0.01
     assert held.detection.score > alone.score
-    assert at_ten_metres(held.lanes) == pytest.approx(at_ten_metres(before.lanes), abs=0.2)
+    assert held.detection.voted == voted
+    assert len(held.lanes) == 2
+    for place in at_ten_metres(held.lanes):
+        assert min(abs(place - before) for before in at_ten_metres(last.lanes)) < 0.2
+
+
+@pytest.mark.parametrize(("name", "due", "most"), [("01", 17, 20), ("02", 7, 7)])
+def test_the_edges_are_seldom_asked(name, due, most, detected):
+    """Of 51 frames of the ramp, and of 20 of the straight road, every third; of a left image alone each."""
+    measured = [result for result in followed(*detected(name)) if result.road_profile == "measured"]
+    voted = [result.detection.voted for result in measured]
+    assert voted[0]
+    assert due <= sum(voted) <= most
+    assert all(any(voted[i : i + 3]) for i in range(len(voted) - 2))
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_the_surface_is_that_of_the_frame_whatever_the_one_before(name, detected):
+    """Depths on it are those of each frame by itself."""
+    camera, frames = detected(name)
+    results = followed(camera, frames)
+    depths = []
+    for result, (*_, alone) in zip(results, frames, strict=True):
+        u, v = alone.road.ground_to_pixel(np.zeros(1), np.full(1, DEPTH))
+        depths.append(float(result.detection.road.pixel_to_ground(u, v)[1][0]))
+    np.testing.assert_allclose(depths, DEPTH, rtol=0.02)
 
 
 def test_without_tracking_every_frame_stands_for_itself(detected):
     camera, frames = detected("01")
     frames = frames[BEFORE_HATCHED : HATCHED + 2]
     for result, (*_, alone) in zip(followed(camera, frames, enabled=False), frames, strict=True):
-        assert result.detection is alone
+        assert result.detection.road == alone.road
+        assert result.detection.birds_eye.axis == alone.birds_eye.axis
+        assert result.detection.score == alone.score
 
 
-def test_the_answer_is_the_same_whether_or_not_a_frame_was_looked_at_before(detected):
+def test_the_answer_is_the_same_whether_or_not_a_frame_was_matched_before(detected):
     """Over the hatching, frame by frame, down to the last bit."""
     camera, frames = detected("01")
     frames = frames[BEFORE_HATCHED : HATCHED + 2]
-    looked_at = followed(camera, frames)
-    fresh = followed(camera, [(stamp_ns, frame, None) for stamp_ns, frame, _ in frames])
-    for one, other in zip(looked_at, fresh, strict=True):
+    pipeline, config = LanePipeline(), DetectorConfig()
+    fresh = [pipeline.process(frame, camera, stamp_ns, config) for stamp_ns, frame, _ in frames]
+    for one, other in zip(followed(camera, frames), fresh, strict=True):
         assert (one.problem, one.road_profile) == (other.problem, other.road_profile)
         assert [lane.id for lane in one.lanes] == [lane.id for lane in other.lanes]
         for a, b in zip(one.lanes, other.lanes, strict=True):

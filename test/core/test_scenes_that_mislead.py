@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.road.vanishing_point import ArcVanishingPoint, VanishingPointConfig
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import CAMERA, Road
@@ -31,7 +31,7 @@ def detected(road, seed, light=None):
 
 def errors(road, lane, truth):
     """Return the mean |x - true x| [m] of a lane on the rendered road, both taken there from the picture."""
-    ground = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    ground = QuadraticSurface.plane(CAMERA, road.camera_height, road.pitch)
     (x, z), (true_x, true_z) = (
         ground.pixel_to_ground(*CAMERA.project(line).T) for line in (lane.points, truth)
     )

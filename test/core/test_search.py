@@ -9,8 +9,8 @@ import pytest
 
 from lane_dp_ros.core import search as lane_search
 from lane_dp_ros.core.config import DetectorConfig
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.search import LaneSearch, RoadView, SearchResult
@@ -23,18 +23,18 @@ BEND = RoadAxis(heading=-0.05, curvature=0.01)
 
 def searched(view, axis, config=None, watch=None):
     search = LaneSearch(config or DetectorConfig())
-    return search.along(axis, view, np.random.default_rng(0), watch or Stopwatch())
+    return search.along(axis, view.surface, view, np.random.default_rng(0), watch or Stopwatch())
 
 
 @pytest.fixture(scope="module")
 def search(camera, disparity_of, picture_of, right_of):
     """Return a function: what is found along an axis of a road with lines at `offsets` [m] along `road`."""
-    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    surface = QuadraticSurface.plane(camera, 1.6, 0.02)
 
     def search(offsets=(-1.8, 1.7), axis=BEND, road=BEND, watch=None, **values):
         picture = picture_of(surface, road, offsets)
         right = right_of(picture, surface)
-        view = RoadView(StereoFrame(picture, right), disparity_of(surface), surface, surface)
+        view = RoadView(StereoFrame(picture, right), disparity_of(surface), surface)
         config = replaced(
             DetectorConfig(), {name.replace("__", "."): value for name, value in values.items()}
         )
@@ -46,7 +46,7 @@ def search(camera, disparity_of, picture_of, right_of):
 @pytest.fixture(scope="module")
 def painted_surface(camera, disparity_of, picture_of):
     """Return a function: what is found on a straight road of lines of known brightness, in noise."""
-    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    surface = QuadraticSurface.plane(camera, 1.6, 0.02)
 
     def painted_surface(offsets, brightness, noise):
         blank = picture_of(surface, RoadAxis(), ())
@@ -55,7 +55,7 @@ def painted_surface(camera, disparity_of, picture_of):
             drawn = picture_of(surface, RoadAxis(), (n,)).astype(float) - blank
             picture += drawn / 110 * levels
         grey = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
-        view = RoadView(StereoFrame(grey), disparity_of(surface), surface, surface)
+        view = RoadView(StereoFrame(grey), disparity_of(surface), surface)
         return searched(view, RoadAxis(), replaced(DetectorConfig(), {"lane_selection.contrast_min": 0.0}))
 
     return painted_surface
@@ -72,16 +72,14 @@ def of_paths(found: SearchResult) -> list[LaneLine]:
 
 def test_a_line_that_only_one_camera_shows_well_is_followed(camera, picture_of, right_of, disparity_of):
     """Beyond 14 m of one line the left image is burnt out."""
-    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    surface = QuadraticSurface.plane(camera, 1.6, 0.02)
     right = right_of(picture_of(surface, RoadAxis(), (-1.8, 1.7)), surface)
     left = picture_of(surface, RoadAxis(), (-1.8, 1.7))
     x, z = surface.pixel_to_ground(*np.indices(left.shape, dtype=np.float32)[::-1])
     left[(x > 0.9) & (z > 14)] = 255
     ends = []
     for image in (None, right):
-        found = searched(
-            RoadView(StereoFrame(left, image), disparity_of(surface), surface, surface), RoadAxis()
-        )
+        found = searched(RoadView(StereoFrame(left, image), disparity_of(surface), surface), RoadAxis())
         ends.append([float(lane.line.s[-1]) for lane in found.lanes if np.median(lane.line.n) > 0])
     assert ends[0] == [] or ends[0][0] < 16
     assert ends[1][0] > 24
@@ -93,6 +91,16 @@ def test_lines_along_the_axis_are_found_where_they_are(search):
     assert found.paint.view.axis is BEND
     assert found.paint.paint_map.feature.shape == found.paint.view.image.shape
     assert len(found.paths) >= len(of_paths(found)) >= 2
+
+
+def test_the_road_is_mapped_by_the_plane_that_is_given(camera, disparity_of, picture_of):
+    surface, plane = (QuadraticSurface.plane(camera, height, 0.02) for height in (1.6, 1.5))
+    frame = StereoFrame(picture_of(surface, RoadAxis(), (-1.8, 1.7)))
+    road, search = RoadView(frame, disparity_of(surface), surface), LaneSearch(DetectorConfig())
+    found = search.along(RoadAxis(), plane, road, np.random.default_rng(0), Stopwatch())
+    assert found.paint.view.ipm_plane is plane
+    assert found.paint.view.road_surface is surface
+    assert offsets_of(found) == pytest.approx([-1.8 * 1.5 / 1.6, 1.7 * 1.5 / 1.6], abs=0.02)
 
 
 def test_the_lanes_are_candidates_with_their_own_evidence(search):
@@ -175,7 +183,7 @@ def test_the_same_picture_gives_the_same_lanes(search):
 @pytest.fixture(scope="module")
 def one_line(camera, disparity_of, right_of):
     """Return a function: what is found on a straight road of one line x(z), `paint` [grey levels] bright."""
-    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    surface = QuadraticSurface.plane(camera, 1.6, 0.02)
     disparity = disparity_of(surface)
     x, z = surface.pixel_to_ground(*np.indices(disparity.shape, dtype=np.float32)[::-1])
 
@@ -183,7 +191,7 @@ def one_line(camera, disparity_of, right_of):
         image = np.full(disparity.shape, 90, np.uint8)
         image[np.abs(x - course(z)) < 0.08] = paint
         frame = StereoFrame(image, right_of(image, surface))
-        return searched(RoadView(frame, disparity, surface, surface), RoadAxis())
+        return searched(RoadView(frame, disparity, surface), RoadAxis())
 
     return one_line
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
 
 GREY = np.zeros((20, 30), np.uint8)
@@ -65,11 +65,11 @@ def test_views_of_larger_images_become_images_of_their_own():
 
 
 def test_without_frames_before_what_is_measured_serves():
-    surface = RoadSurface.plane(StereoCamera(700.0, 700.0, 320.0, 120.0, 0.5), 1.65, 0.0)
+    surface = QuadraticSurface.plane(StereoCamera(700.0, 700.0, 320.0, 120.0, 0.5), 1.65, 0.0)
     prior = Prior()
     assert prior.road(surface) == RoadEstimate(surface, "measured", "")
     assert prior.road(None) == RoadEstimate(None, "none", "")
-    assert prior.axis is prior.lanes is None
+    assert prior.surface is prior.axis is prior.paint is prior.lanes is None
 
 
 def test_extent_is_the_depth_of_the_nearest_and_farthest_point():

@@ -10,8 +10,8 @@ import pytest
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.pictures import PIXELS_PER_METRE, draw_birds_eye, draw_overlay
 
@@ -27,7 +27,7 @@ def lane(x: float, role: str, **changes: object) -> Lane:
 
 
 def birds_eye(image: np.ndarray):
-    surface = RoadSurface.plane(CAMERA, HEIGHT, pitch=0.0)
+    surface = QuadraticSurface.plane(CAMERA, HEIGHT, pitch=0.0)
     config = BirdsEyeConfig(near=4.0, length=30.0, width=12.0)
     return birds_eye_view(image, DisparityMap.unknown(SHAPE), surface, RoadAxis(), config)
 

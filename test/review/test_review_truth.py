@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.review.drive import Drive
@@ -58,7 +58,7 @@ def detected_drive(write_stereo_bag, scene_pairs, tmp_path) -> Drive:
 
 def test_the_ground_through_lanes_is_the_plane_they_lie_on(drive) -> None:
     frame = drive.frames[0]
-    plane = RoadSurface.plane(frame.camera, height=1.5, pitch=0.0)
+    plane = QuadraticSurface.plane(frame.camera, height=1.5, pitch=0.0)
     for lanes in (frame.lanes, frame.lanes[:1]):  # one line is enough for a road without cross slope
         ground = ground_through(lanes, frame.camera)
         np.testing.assert_allclose(ground.coefficients, plane.coefficients, atol=1e-6)

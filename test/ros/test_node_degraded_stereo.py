@@ -88,12 +88,12 @@ def test_the_left_camera_silent_leaves_nothing_to_work_on(rig, scene_pair):
     rig.assert_lives()
 
 
-@pytest.mark.parametrize("right", ["black", "upside down", "8 px too low"])
+@pytest.mark.parametrize("right", ["black", "upside down", "12 px too low"])
 def test_a_useless_right_image(rig, scene_pair, right):
     useless = {
         "black": np.zeros_like(scene_pair[1]),
         "upside down": scene_pair[1][::-1],
-        "8 px too low": np.roll(scene_pair[1], 8, axis=0),
+        "12 px too low": np.roll(scene_pair[1], 12, axis=0),
     }[right]
     rig.assert_lives()
     lanes = rig.answer(rig.send(right=np.ascontiguousarray(useless)))

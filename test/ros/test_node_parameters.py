@@ -50,7 +50,7 @@ def test_every_parameter_is_described_with_unit_and_range(rig):
         ("sync_tolerance", 0.6, "sync_tolerance out of range"),
         ("sync_tolerance", float("nan"), "sync_tolerance"),
         ("sync_tolerance", "much", "Wrong parameter type"),
-        ("disparity.disparity_range", 33, "step: 32"),
+        ("disparity.correlation_window_size", 4, "step: 2"),
         ("disparity.P1", 4000, ", expected more than P1 = 4000"),
         ("image_transport", "theora", "image_transport: got 'theora', expected one of raw, compressed"),
     ],
@@ -109,3 +109,22 @@ def test_a_value_under_an_old_name_counts(make_rig):
     rig = make_rig(parameter_overrides=[Parameter("tracking.bridge_time", value=0.3)])
     assert rig.node.get_parameter("tracking.coast_time").value == 0.3
     assert not rig.node.has_parameter("tracking.bridge_time")
+
+
+REMOVED = {  # with the values that they had
+    "disparity.disparity_range": 128,
+    "disparity.downscale": 2,
+    "road_profile.roll": True,
+    "road_profile.residual_threshold": 1.0,
+}
+
+
+def test_parameters_that_are_no_more_are_left_out_with_a_warning(make_rig, capfd):
+    rig = make_rig(parameter_overrides=[Parameter(name, value=value) for name, value in REMOVED.items()])
+    said = capfd.readouterr().err
+    for name in REMOVED:
+        assert not rig.node.has_parameter(name)
+        assert said.count(f"Parameter {name} is no more, left out: ") == 1
+    assert "ignored" not in said  # they are not taken for misspelt names
+    assert all(rig.node.get_parameter(name).value == spec.default for name, spec in all_parameters().items())
+    rig.assert_lives()

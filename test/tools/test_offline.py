@@ -166,6 +166,25 @@ def test_a_preset_and_a_parameter_file(write_stereo_bag, scene_pairs, tmp_path) 
     assert image_from_ros(messages["/ipm/image"][0]).shape[1] < 240
 
 
+def test_a_file_of_before_with_parameters_that_are_no_more_still_serves(
+    write_stereo_bag, scene_pairs, tmp_path, capsys
+) -> None:
+    config = tmp_path / "old.yaml"
+    config.write_text(
+        "/**: {ros__parameters: "
+        "{disparity: {downscale: 4, disparity_range: 64}, road_profile: {roll: false}}}"
+    )
+    bag = write_stereo_bag(scene_pairs[:1])
+    (array,) = written(run(bag, "--config", str(config), output="with"))["/lanes"]
+    warnings = capsys.readouterr().err.splitlines()
+    names = ("disparity.downscale", "disparity.disparity_range", "road_profile.roll")
+    for warning, name in zip(warnings, names, strict=True):
+        assert warning.startswith(f"lane_dp: {config}: {name} is no more, left out: ")
+    (expected,) = written(run(bag, output="without"))["/lanes"]
+    for lane, same in zip(lanes_from_ros(array), lanes_from_ros(expected), strict=True):
+        np.testing.assert_array_equal(lane.points, same.points)
+
+
 def test_images_without_a_partner_are_told(write_stereo_bag, scene_pairs, tmp_path, capsys) -> None:
     lost = ("/right/image_rect", scene_pairs[1].stamp_ns)
     complete = write_stereo_bag(scene_pairs)

@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter as RosParameter
 from lane_dp_ros.core.config import PRESETS, DetectorConfig
 from lane_dp_ros.core.parameter import Parameter, replaced
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.messages.node_config import all_parameters
+from lane_dp_ros.messages.node_config import NodeConfig, all_parameters
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.tools.cli import main
 from lane_dp_ros.tools.cli.dump_config import dumped_config
@@ -134,6 +134,34 @@ def test_of_an_old_name_and_that_of_today_the_latter_counts(tmp_path: Path) -> N
     path = tmp_path / "both.yaml"
     path.write_text("/**: {ros__parameters: {tracking: {coast_time: 0.3, bridge_time: 0.4}}}")
     assert load_config("default", path)[1].tracking.coast_time == 0.3
+
+
+SMALLER = "disparity.correlation_window_size and speckle_size count larger pixels now, leave them out, too"
+REMOVED = {  # with the values that they had, and why there is no need of them
+    "disparity.disparity_range": (128, f"it follows from the camera's height and the image; {SMALLER}"),
+    "disparity.downscale": (2, f"it follows from the camera's height and the image; {SMALLER}"),
+    "road_profile.roll": ("true", "the cross slope is always measured, but by road_profile.model quadratic"),
+    "road_profile.residual_threshold": (1.0, "it follows from what the matcher resolves"),
+}
+
+
+@pytest.mark.parametrize("name", REMOVED)
+def test_a_parameter_that_is_no_more_is_left_out_with_a_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture, name: str
+) -> None:
+    """What stands beside it in the file counts."""
+    value, reason = REMOVED[name]
+    stage, field = name.split(".")
+    path = tmp_path / "old.yaml"
+    path.write_text(f"/**: {{ros__parameters: {{{stage}: {{{field}: {value}}}, sync_tolerance: 0.02}}}}")
+    node, detector = load_config("default", path)
+    assert node == replaced(NodeConfig(), {"sync_tolerance": 0.02})
+    assert detector == DetectorConfig()
+    assert capsys.readouterr().err == f"lane_dp: {path}: {name} is no more, left out: {reason}\n"
+
+
+def test_a_parameter_that_is_no_more_is_not_printed() -> None:
+    assert not set(REMOVED) & set(all_parameters(expert=True))
 
 
 def test_what_a_running_node_has_can_be_kept_in_a_file(tmp_path: Path) -> None:

@@ -132,7 +132,7 @@ def birds_eye_view(
     s, n = _grid(config)
     x, z = axis.to_ground(s[:, None].astype(np.float32), n[None].astype(np.float32))
     map_u, map_v = (np.asarray(a, dtype=np.float32) for a in ipm_plane.ground_to_pixel(x, z))
-    seen = _inside(map_u, map_v, image.shape) & (z > DEPTH_MIN)
+    seen = _inside(map_u, map_v, image.shape) & (z > DEPTH_MIN) & (z < road_surface.summit)
     rows, columns = image.shape
     np.clip(map_u, 0, columns - 1, out=map_u)  # the border goes on: no false edge where the view ends
     np.clip(map_v, 0, rows - 1, out=map_v)

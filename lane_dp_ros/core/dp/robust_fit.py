@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robust polynomials y(x): RANSAC on a parabola, and iterated Tukey weights."""
+"""Robust fits of linear models: RANSAC, and iterated Tukey weights."""
 
 from __future__ import annotations
 
@@ -18,15 +18,42 @@ MIN_DETERMINANT = 1e-5  # of three rows (1, t, t^2), t in [-1, 1]: closer points
 
 
 @dataclass(frozen=True, eq=False)
-class RansacParabola:
-    """y = beta_0 + beta_1 x + beta_2 x^2, fitted to the points that are `inliers` (N,) bool."""
+class RansacFit:
+    """y = A b: the `coefficients` b (p,), fitted to the points that are `inliers` (N,) bool."""
 
     coefficients: Floats
     inliers: NDArray[np.bool_]
 
+
+@dataclass(frozen=True, eq=False)
+class RansacParabola(RansacFit):
+    """y = beta_0 + beta_1 x + beta_2 x^2."""
+
     def __call__(self, x: Floats) -> Floats:
         """Return y at x."""
         return np.asarray(np.polynomial.polynomial.polyval(x, self.coefficients))
+
+
+def ransac(
+    A: Floats, y: Floats, residual_threshold: float, max_trials: int, rng: np.random.Generator
+) -> RansacFit | None:
+    """Return b of the model A b = y with the most points within `residual_threshold`, None without one.
+
+    `A` (N, p) holds columns of like size, `y` (N,). All samples of p points are drawn and solved at once; the
+    model with the most inliers is fitted again to them by least squares (Fischler & Bolles 1981).
+    """
+    count, size = A.shape
+    if count < size:
+        return None
+    chosen = rng.integers(count, size=(max_trials, size))
+    samples = A[chosen]
+    solvable = np.abs(np.linalg.det(samples)) > MIN_DETERMINANT
+    if not solvable.any():
+        return None
+    models = np.linalg.solve(samples[solvable], y[chosen[solvable], None])[..., 0]
+    agree = np.abs(A @ models.T - y[:, None]) < residual_threshold
+    inliers = agree[:, agree.sum(axis=0).argmax()]
+    return RansacFit(np.linalg.lstsq(A[inliers], y[inliers], rcond=None)[0], inliers)
 
 
 def ransac_parabola(
@@ -34,24 +61,30 @@ def ransac_parabola(
 ) -> RansacParabola | None:
     """Return the parabola with the most points (x, y) (N,) within `residual_threshold`, None without one.
 
-    All samples of three points are drawn and solved at once; the parabola with the most inliers is fitted
-    again to them by least squares (Fischler & Bolles 1981; paper, section V-C, eq. 11).
+    See `ransac` (paper, section V-C, eq. 11).
     """
     if len(x) < 3:
         return None
     centre, scale = x.mean(), max(float(np.ptp(x)) / 2, 1e-9)
-    A = np.vander((x - centre) / scale, 3, increasing=True)
-    chosen = rng.integers(len(x), size=(max_trials, 3))
-    samples = A[chosen]
-    solvable = np.abs(np.linalg.det(samples)) > MIN_DETERMINANT
-    if not solvable.any():
+    found = ransac(
+        np.vander((x - centre) / scale, 3, increasing=True), y, residual_threshold, max_trials, rng
+    )
+    if found is None:
         return None
-    parabolas = np.linalg.solve(samples[solvable], y[chosen[solvable], None])[..., 0]
-    agree = np.abs(A @ parabolas.T - y[:, None]) < residual_threshold
-    inliers = agree[:, agree.sum(axis=0).argmax()]
-    b0, b1, b2 = np.linalg.lstsq(A[inliers], y[inliers], rcond=None)[0]
+    b0, b1, b2 = found.coefficients
     b1, b2 = b1 / scale, b2 / scale**2
-    return RansacParabola(np.array([b0 - b1 * centre + b2 * centre**2, b1 - 2 * b2 * centre, b2]), inliers)
+    coefficients = np.array([b0 - b1 * centre + b2 * centre**2, b1 - 2 * b2 * centre, b2])
+    return RansacParabola(coefficients, found.inliers)
+
+
+def tukey_weights(residuals: Floats, tolerance: float) -> Floats:
+    """Return Tukey's biweight of residuals (N,): 1 at zero, 0 beyond the tolerance."""
+    w = residuals * residuals.dtype.type(1 / tolerance)
+    w *= w
+    np.subtract(1, w, out=w)
+    np.maximum(w, 0, out=w)
+    w *= w
+    return np.asarray(w)
 
 
 def tukey_fit(
@@ -67,13 +100,9 @@ def tukey_fit(
     before = np.inf
     A_T = np.ascontiguousarray(A.T)
     for tolerance in tolerances:
-        if b is None:
-            w = weights
-        else:
-            w = (y - A @ b) / tolerance
-            w = weights * np.maximum(0, 1 - w * w) ** 2
+        w = weights if b is None else weights * tukey_weights(y - A @ b, tolerance)
         weighted = A_T * w
-        fitted = _solved(weighted @ A + ridge, weighted @ y)
+        fitted = solved(weighted @ A + ridge, weighted @ y)
         still = b is not None and tolerance == before and bool(np.abs(fitted - b).max() < STILL)
         b, before = fitted, tolerance
         if still:
@@ -81,7 +110,7 @@ def tukey_fit(
     return np.asarray(b)
 
 
-def _solved(M: Floats, b: Floats) -> Floats:
+def solved(M: Floats, b: Floats) -> Floats:
     """Return x of M x = b, for M symmetric and positive definite; OpenCV takes a fifth of NumPy's time."""
     _, x = cv2.solve(M, b[:, None], flags=cv2.DECOMP_CHOLESKY)
     return np.asarray(x).ravel()

@@ -46,6 +46,20 @@ class DisparityMap:
         """Return the disparity [px] of the pixels nearest to (u, v), arrays of one shape; NaN for none."""
         return self.at(np.rint(v), np.rint(u))
 
+    @property
+    def cell_size(self) -> tuple[float, float]:
+        """Width and height [px] of a cell."""
+        height, width = self.matched.shape
+        return self.shape[1] / width, (self.shape[0] - self.first) / height
+
+    @cached_property
+    def centres(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The pixels u (w,) and v (h,) in the middle of the cells' columns and rows."""
+        (height, width), (across, along) = self.matched.shape, self.cell_size
+        u = (np.arange(width) + 0.5) * across - 0.5
+        v = (np.arange(height) + 0.5) * along + self.first - 0.5
+        return u.astype(np.float32), v.astype(np.float32)
+
     @cached_property
     def full(self) -> NDArray[np.float32]:
         """The disparity (H, W) [px] of every pixel, NaN where there is none."""

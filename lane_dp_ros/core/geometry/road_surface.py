@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The road's surface, written as the disparity that the camera sees on it."""
+"""The road's surface, as the disparity that the camera sees on it; what all models of it have in common."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -15,50 +16,56 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.geometry.camera import StereoCamera
 
 Array = NDArray[Any]  # floats; single precision in, single precision out
+Coefficients = tuple[float, float, float, float]
 
-PIXELS = 100.0  # rows and columns enter the polynomial in hundreds of pixels: coefficients of like size
 NEAR_DEPTH = 10.0  # m; where height and pitch are read off a surface that is not flat
+RECTIFICATION = 0.2  # px; standard deviation of disparities where the rectification is a good one
+UNEVENNESS = 0.012  # m; standard deviation of a road's heights about any smooth surface
 MIN_DEPTH = 1.0  # m; nearer ground is behind the bonnet and outside every view
 
 
 @dataclass(frozen=True)
-class RoadSurface:
-    """The road's surface, written as the disparity that the camera sees on it.
+class RoadSurface(ABC):
+    """A model of the road's surface with four `coefficients`.
 
-    d(u, v) = b0 + b1 n + b2 n^2 + b3 m with n = (v - cy) / 100 and m = (u - cx) / 100 (Ozgunalp et al.
-    2017: the quadratic vertical profile f(v); b3 adds the roll of the camera against the road).
-    The ground coordinates of a pixel are x [m] right and z [m] ahead of the left camera.
+    The ground coordinates of a pixel are x [m] right and z [m] ahead of the left camera. `covariance` (4, 4)
+    is that of the coefficients, None where the surface was not measured.
     """
 
     camera: StereoCamera
-    coefficients: tuple[float, float, float, float]
+    coefficients: Coefficients
+    covariance: NDArray[np.float64] | None = field(default=None, compare=False, repr=False)
 
-    @classmethod
-    def plane(cls, camera: StereoCamera, height: float, pitch: float) -> RoadSurface:
-        """Return the flat road seen from `height` [m] by a camera pitched down by `pitch` [rad], no roll."""
-        scale = camera.fx * camera.baseline / height
-        b0, b1 = scale * math.sin(pitch), scale * math.cos(pitch) * PIXELS / camera.fy
-        return cls(camera, (b0, b1, 0.0, 0.0))
-
+    @abstractmethod
     def disparity(self, u: Array, v: Array) -> Array:
-        """Return the surface's disparity [px] at pixels (u, v)."""
-        b0, b1, b2, b3 = self.coefficients
-        n = (v - self.camera.cy) / PIXELS
-        return b0 + n * (b1 + b2 * n) + b3 * (u - self.camera.cx) / PIXELS
+        """Return the surface's disparity [px] at pixels (u, v); not positive above its horizon."""
 
-    def gradient(self, v: Array) -> Array:
-        """Return the change of disparity per row, f'(v) [px/px]."""
-        _, b1, b2, _ = self.coefficients
-        return (b1 + 2 * b2 * (v - self.camera.cy) / PIXELS) / PIXELS
+    @abstractmethod
+    def gradient(self, u: Array, v: Array) -> tuple[Array, Array]:
+        """Return the change of disparity per column and per row [px/px] at pixels (u, v)."""
 
+    @abstractmethod
+    def jacobian(self, u: Array, v: Array) -> Array:
+        """Return the derivatives (4, N) of the disparity at pixels (u, v), (N,), by the coefficients."""
+
+    @abstractmethod
     def ground_to_pixel(self, x: Array, z: Array) -> tuple[Array, Array]:
-        """Return the pixels (u, v) of ground points; the root of the quadratic on the road's side."""
-        b0, b1, b2, b3 = self.coefficients
-        z = np.maximum(z, MIN_DEPTH)
-        m = x / z * (self.camera.fx / PIXELS)
-        c = b0 + b3 * m - self.camera.fx * self.camera.baseline / z
-        root = np.sqrt(np.maximum(b1 * b1 - 4 * b2 * c, 0))
-        return self.camera.cx + PIXELS * m, self.camera.cy - PIXELS * 2 * c / (b1 + root)
+        """Return the pixels (u, v) of ground points; of those behind a crest the pixels of the crest."""
+
+    @property
+    @abstractmethod
+    def roll(self) -> float:
+        """Angle [rad] of the road's cross slope: positive where it climbs to the right."""
+
+    @property
+    @abstractmethod
+    def vertical_curvature(self) -> float:
+        """Second derivative [1/m] of the road's height over depth: positive where it climbs more and more."""
+
+    @property
+    def summit(self) -> float:
+        """The depth [m] beyond which a crest hides the road; infinite without one."""
+        return math.inf
 
     def pixel_to_ground(self, u: Array, v: Array) -> tuple[Array, Array]:
         """Return the ground (x, z) [m] of pixels, NaN at and above the horizon."""
@@ -75,30 +82,49 @@ class RoadSurface:
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.camera_height * (1 - self.disparity(u, v) / disparity)
 
+    def depth_deviation(self, u: Array, v: Array) -> Array:
+        """Return the standard deviation [m] of the ground's depth at pixels (u, v), (N,).
+
+        z = f b / d, so sigma_z = z^2 / (f b) sigma_d, with that of the disparity by the covariance of the
+        coefficients, by what is left of the rectification's error, and by the road's unevenness. NaN at and
+        above the horizon, and everywhere on a surface that was not measured.
+        """
+        if self.covariance is None:
+            return np.full(np.shape(u), np.nan)
+        J = self.jacobian(u, v)
+        of_surface = np.einsum("i...,ij,j...->...", J, self.covariance, J)
+        uneven = UNEVENNESS / self.camera_height * self.disparity(u, v)
+        _, z = self.pixel_to_ground(u, v)
+        deviation = np.sqrt(of_surface + RECTIFICATION**2 + uneven**2)
+        return np.asarray(z**2 / (self.camera.fx * self.camera.baseline) * deviation)
+
+    def depth_deviation_ahead(self, depth: float) -> float | None:
+        """Return the standard deviation [m] of the ground's depth straight ahead, None where unknown.
+
+        It is on surfaces that were not measured, and behind a crest.
+        """
+        if depth >= self.summit:
+            return None
+        u, v = self.ground_to_pixel(np.zeros(1), np.full(1, depth))
+        deviation = float(self.depth_deviation(u, v)[0])
+        return deviation if math.isfinite(deviation) else None
+
     @cached_property
     def camera_height(self) -> float:
         """Height [m] of the camera above the road near the vehicle."""
-        return float(self.camera.fx * self.camera.baseline * np.cos(self.pitch) / self._slope)
+        slope = float(self._near_gradient) * self.camera.fy  # change of disparity per unit of (v - cy) / fy
+        return float(self.camera.fx * self.camera.baseline * np.cos(self.pitch) / slope)
 
     @cached_property
     def pitch(self) -> float:
         """Angle [rad] by which the camera looks down on the road near the vehicle: atan((cy - v_vp) / fy)."""
         return float(np.arctan2(self.camera.cy - self.horizon(self.near_row), self.camera.fy))
 
-    @property
-    def roll(self) -> float:
-        """Angle [rad] of the road's cross slope in the image."""
-        return float(np.arctan2(self.coefficients[3], self.coefficients[1]))
-
-    @property
-    def gradient_u(self) -> float:
-        """The change of disparity per column [px/px]: the road's cross slope."""
-        return self.coefficients[3] / PIXELS
-
     def horizon(self, v: Array | float) -> Array:
         """Return v_vp(v) = v - f(v) / f'(v), the horizon of the road at row v (Ozgunalp et al. 2017)."""
         v = np.asarray(v, dtype=np.float64)
-        return v - self.disparity(np.full_like(v, self.camera.cx), v) / self.gradient(v)
+        u = np.full_like(v, self.camera.cx)
+        return v - self.disparity(u, v) / self.gradient(u, v)[1]
 
     @cached_property
     def near_row(self) -> float:
@@ -106,36 +132,23 @@ class RoadSurface:
         return float(self.ground_to_pixel(np.zeros(1), np.full(1, NEAR_DEPTH))[1][0])
 
     @property
-    def _slope(self) -> float:
-        """Change of disparity [px] per unit of (v - cy) / fy near the vehicle."""
-        return float(self.gradient(np.full(1, self.near_row))[0]) * self.camera.fy
+    def _near_gradient(self) -> float:
+        """Change of disparity per row [px/px] near the vehicle."""
+        return float(self.gradient(np.full(1, self.camera.cx), np.full(1, self.near_row))[1][0])
 
 
 def geometry(surface: RoadSurface) -> Array:
-    """Return camera height [m], pitch [rad], roll [rad] and vertical curvature [1/m] of a surface.
+    """Return camera height [m], pitch [rad], vertical curvature [1/m] and roll [rad] of a surface.
 
-    The curvature, of the road's height over the depth `NEAR_DEPTH` ahead, is positive where it climbs more
-    and more.
+    In the order of the coefficients of `VerticalCurve`.
     """
-    height, pitch = surface.camera_height, surface.pitch
-    curvature = surface.coefficients[2] * _curvature_unit(surface, height, pitch)
-    return np.array([height, pitch, surface.roll, curvature])
+    return np.array([surface.camera_height, surface.pitch, surface.vertical_curvature, surface.roll])
 
 
-def surface_of(like: RoadSurface, values: Array) -> RoadSurface:
-    """Return the surface, seen by the camera of `like`, that has this `geometry`."""
-    height, pitch, roll, curvature = map(float, values)
-    camera = like.camera
-    near = camera.fx * camera.baseline / NEAR_DEPTH
-    slope = camera.fx * camera.baseline * math.cos(pitch) / height * PIXELS / camera.fy  # at NEAR_DEPTH
-    b2 = curvature / _curvature_unit(like, height, pitch)
-    n = near / slope - math.tan(pitch) * camera.fy / PIXELS
-    b1 = slope - 2 * b2 * n
-    return RoadSurface(camera, (near - n * (b1 + b2 * n), b1, b2, b1 * math.tan(roll)))
+def plane_slope(camera: StereoCamera, height: float, pitch: float) -> tuple[float, float]:
+    """Return the disparity [px] at the principal point, and its change per row, of a flat road.
 
-
-def _curvature_unit(surface: RoadSurface, height: float, pitch: float) -> float:
-    """Return the vertical curvature [1/m] of b2 = 1: d^2y/dz^2 by the second derivative of d(v)."""
-    camera = surface.camera
-    forward = (height / (NEAR_DEPTH * math.cos(pitch))) ** 3
-    return 2 * (camera.fy / PIXELS) ** 2 * forward / (camera.fx * camera.baseline)
+    The camera stands `height` [m] above it and looks down on it by `pitch` [rad].
+    """
+    scale = camera.fx * camera.baseline / height
+    return scale * math.sin(pitch), scale * math.cos(pitch) / camera.fy

@@ -23,7 +23,7 @@ class LaneSelectionConfig(Parameters):
         0.05, "Greatest height above the ground beside it; more is a kerb.", unit="m", limits=(0.0, 1.0)
     )
     slope_max: float = parameter(
-        0.11, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
+        0.14, "Steepest lateral over forward on a straight road.", limits=(0.01, 1.0)
     )
     texture_max: float = parameter(
         0.2, "Texture over brightness of the ground beside the line; more is grass.", limits=(0.01, 1.0)
@@ -155,7 +155,7 @@ class LaneSelectionConfig(Parameters):
         expert=True,
     )
     score_unknown_height: float = parameter(
-        6.0,
+        9.0,
         "Net metres of paint of a line by itself whose height is not known.",
         unit="m",
         limits=(0.5, 30.0),

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry
+from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
 from lane_dp_ros.core.types import Lane
 
@@ -188,7 +188,7 @@ def _gap(left: Lane, right: Lane) -> Gap | None:
 
 def is_hilly(road: RoadSurface) -> bool:
     """Return whether a road climbs or falls away too much to tell height and widths by."""
-    return bool(abs(geometry(road)[3]) > HILL)
+    return bool(abs(road.vertical_curvature) > HILL)
 
 
 def _median(values: Iterable[float]) -> float | None:

@@ -48,7 +48,7 @@ def edge_pixels(image: NDArray[np.uint8], disparity: DisparityMap, surface: Road
     """Return the Canny edges of the grey left image (H, W) that lie on the road.
 
     The tangent (-g_v, g_u) of an edge goes to the ground through the derivative of the surface's disparity:
-    dd = f'(v) g_u - b3 g_v per pixel, dz = -z dd / d, dx = -g_v z / fx + x dz / z, heading = atan2(dx, dz).
+    dd = d_v g_u - d_u g_v per pixel, dz = -z dd / d, dx = -g_v z / fx + x dz / z, heading = atan2(dx, dz).
     """
     camera = surface.camera
     first = int(np.clip(camera.cy + BELOW_HORIZON * camera.fy, 0, image.shape[0] - 1))
@@ -65,17 +65,18 @@ def edge_pixels(image: NDArray[np.uint8], disparity: DisparityMap, surface: Road
     on = np.flatnonzero(~off & (z > DEPTH_MIN) & (z < DEPTH_MAX) & (np.abs(x) < HALF_WIDTH))
     g_u = sobel_u[rows[on], columns[on]].astype(np.float64)
     g_v = sobel_v[rows[on], columns[on]].astype(np.float64)
-    heading, length = _on_ground(surface, g_u, g_v, v[on], x[on], z[on])
+    heading, length = _on_ground(surface, g_u, g_v, u[on], v[on], z[on])
     return EdgePixels(u[on], v[on], g_u, g_v, x[on], z[on], heading, thinning * length)
 
 
 def _on_ground(
-    surface: RoadSurface, g_u: Floats, g_v: Floats, v: Floats, x: Floats, z: Floats
+    surface: RoadSurface, g_u: Floats, g_v: Floats, u: Floats, v: Floats, z: Floats
 ) -> tuple[Floats, Floats]:
     """Return heading [rad] and length [m] on the ground of edges of one pixel."""
     camera = surface.camera
-    d_disparity = surface.gradient(v) * g_u - surface.gradient_u * g_v
+    d_u, d_v = surface.gradient(u, v)
+    d_disparity = d_v * g_u - d_u * g_v
     dz = -(z**2) / (camera.fx * camera.baseline) * d_disparity
-    dx = -g_v * z / camera.fx + x / z * dz
+    dx = (-g_v * z + (u - camera.cx) * dz) / camera.fx
     dx, dz = np.where(dz < 0, -dx, dx), np.abs(dz)
     return np.arctan2(dx, dz), np.minimum(np.hypot(dx, dz) / np.maximum(np.hypot(g_u, g_v), 1e-6), MAX_LENGTH)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.parameter import Parameters, parameter
@@ -62,6 +63,9 @@ class DirectionEstimator(Protocol):
     def estimate(self, left: Image, disparity: DisparityMap, surface: RoadSurface) -> RoadDirection:
         """Return the direction of the road whose `surface` the grey image `left` (H, W) shows."""
 
+    def follow(self, axis: RoadAxis, surface: RoadSurface) -> RoadDirection | None:
+        """Return the direction of a road whose `axis` is known, None where the image must tell it."""
+
 
 class ArcVanishingPoint:
     """The axis as an arc, a heading and a curvature; the road is mapped by its measured surface."""
@@ -73,6 +77,10 @@ class ArcVanishingPoint:
         """See `DirectionEstimator`."""
         edges = edge_pixels(left, disparity, surface)
         axis = arc_of_edges(edges, self._config.heading_max, self._config.curvature_max)
+        return direction_along(axis, surface)
+
+    def follow(self, axis: RoadAxis, surface: RoadSurface) -> RoadDirection | None:
+        """See `DirectionEstimator`."""
         return direction_along(axis, surface)
 
 
@@ -91,8 +99,12 @@ class DenseVanishingPoint:
             point = QuarticVanishingPoint(u, v, ())
         centred = self._config.centred_principal_point
         pitch, yaw = pitch_and_yaw((point.u, point.v), surface.camera, left.shape, centred)
-        plane = RoadSurface.plane(surface.camera, surface.camera_height, pitch)
+        plane = QuadraticSurface.plane(surface.camera, surface.camera_height, pitch)
         return RoadDirection(RoadAxis(yaw), plane, (point.u, point.v), point.u_of_row)
+
+    def follow(self, axis: RoadAxis, surface: RoadSurface) -> RoadDirection | None:  # noqa: ARG002
+        """See `DirectionEstimator`: the plane of the road depends on the vanishing point of the frame."""
+        return None
 
 
 def direction_estimator(config: VanishingPointConfig) -> DirectionEstimator:

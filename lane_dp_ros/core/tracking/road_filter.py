@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry, surface_of
+from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.types import RoadEstimate, RoadGate
 
 NS_PER_S = 1_000_000_000
@@ -15,39 +16,54 @@ MEMORY_NS = NS_PER_S  # a longer jump of time, or one backwards, and everything 
 HOLD_NS = 5 * NS_PER_S  # then the road that was measured is long behind the vehicle
 CONVINCED_NS = NS_PER_S  # for which measured roads that contradict the held one must agree with one another
 
-QUANTITIES = ("camera height", "pitch", "roll", "vertical curvature")
-UNITS = ("m", "rad", "rad", "1/m")
+QUANTITIES = ("camera height", "pitch", "vertical curvature", "roll")
+UNITS = ("m", "rad", "1/m", "rad")
+# By how much a road, well measured, differs from frame to frame: load, bumps, ramps and hills stay within
+# five times as much.
+SPREAD = np.array([0.03, 0.008, 1.2e-3, 0.008])
+GATE = 5.0  # standard deviations; an innovation that is farther out is another road
 # s; load and cross slope last, the vehicle pitches in a fraction of a second, hills come and go
-TIME_CONSTANTS = np.array([2.0, 0.2, 2.0, 0.5])
-# Farther from the held value is another road: a step of load, a bump, a ramp, a hill stay within.
-TOLERANCES = np.array([0.15, 0.04, 0.04, 4e-3])
+TIME_CONSTANTS = np.array([2.0, 0.2, 0.5, 2.0])
+FRAME = 0.1  # s between frames that have these time constants
 
 Floats = NDArray[np.float64]
 
 
 class _Road:
-    """A road over time, each of its quantities as slow as it is by its nature (first-order low-pass)."""
+    """A road over time: a Kalman filter for each of its quantities, as slow as that is by its nature."""
 
-    def __init__(self, values: Floats, stamp_ns: int) -> None:
+    def __init__(self, values: Floats, noise: Floats, stamp_ns: int) -> None:
         self.values = values
         self.first_ns = self.last_ns = stamp_ns
-        self._count = 1
+        self._variance = SPREAD**2 + noise
 
-    def contradiction(self, values: Floats) -> str:
-        """Return what does not fit, empty where all does."""
-        excess = np.abs(values - self.values) / TOLERANCES
+    def contradiction(self, values: Floats, noise: Floats) -> str:
+        """Return what does not fit, empty where all does.
+
+        A measurement that is less sure than roads are steady is believed no more for that.
+        """
+        innovation = np.abs(values - self.values)
+        excess = innovation / (GATE * np.sqrt(SPREAD**2 + np.minimum(noise, SPREAD**2)))
         worst = int(excess.argmax())
         if excess[worst] <= 1:
             return ""
         held, found = self.values[worst], values[worst]
         return f"{QUANTITIES[worst]} {found:.3g} {UNITS[worst]} after {held:.3g}"
 
-    def take_in(self, values: Floats, stamp_ns: int) -> None:
-        """Move towards the values of a frame; the first ones are averaged."""
-        self._count += 1
-        gain = np.maximum(1 / self._count, 1 - np.exp(-(stamp_ns - self.last_ns) / NS_PER_S / TIME_CONSTANTS))
+    def take_in(self, values: Floats, noise: Floats, stamp_ns: int) -> None:
+        """Move towards the values of a frame: the less, the noisier they are."""
+        elapsed = (stamp_ns - self.last_ns) / NS_PER_S
+        self._variance = self._variance + SPREAD**2 * FRAME * elapsed / TIME_CONSTANTS**2
+        gain = self._variance / (self._variance + SPREAD**2 + noise)
         self.values = self.values + gain * (values - self.values)
+        self._variance = (1 - gain) * self._variance
         self.last_ns = stamp_ns
+
+
+def _measured(surface: RoadSurface) -> tuple[Floats, Floats]:
+    """Return the geometry (4,) of a surface, and the variance of its measurement."""
+    noise = np.zeros(4) if surface.covariance is None else np.diag(surface.covariance)
+    return geometry(surface), noise
 
 
 class RoadFilter:
@@ -74,11 +90,11 @@ class RoadFilter:
         elif self._held is not None and stamp_ns - self._held.last_ns > HOLD_NS:
             self._held = None
         self._stamp_ns, self._nominal = stamp_ns, nominal
-        held = None if self._held is None else surface_of(nominal, self._held.values)
+        held = None if self._held is None else VerticalCurve.of_geometry(nominal.camera, self._held.values)
 
         def gate(measured: RoadSurface | None) -> RoadEstimate:
             """Return the measured surface unless it contradicts the held one; else that or the nominal."""
-            reason = "" if measured is None else self._contradiction(geometry(measured))
+            reason = "" if measured is None else self._contradiction(*_measured(measured))
             if measured is not None and not reason:
                 return RoadEstimate(measured, "measured")
             if held is None:
@@ -91,25 +107,25 @@ class RoadFilter:
         """Take in what was measured in this frame, None for none."""
         if measured is None:
             return
-        values, stamp_ns = geometry(measured), self._stamp_ns
-        if self._contradiction(values):
-            self._take_in_rival(values)
+        values, noise = _measured(measured)
+        if self._contradiction(values, noise):
+            self._take_in_rival(values, noise)
             return
-        if self._held is None or self._held.contradiction(values):
-            self._held = _Road(values, stamp_ns)
+        if self._held is None or self._held.contradiction(values, noise):
+            self._held = _Road(values, noise, self._stamp_ns)
         else:
-            self._held.take_in(values, stamp_ns)
+            self._held.take_in(values, noise, self._stamp_ns)
         self._rival = None
 
-    def _contradiction(self, values: Floats) -> str:
+    def _contradiction(self, values: Floats, noise: Floats) -> str:
         """Return how a measured road contradicts the held one; empty where it does not or is believed."""
-        reason = self._held.contradiction(values) if self._held is not None else ""
-        if not reason or self._rival is None or self._rival.contradiction(values):
+        reason = self._held.contradiction(values, noise) if self._held is not None else ""
+        if not reason or self._rival is None or self._rival.contradiction(values, noise):
             return reason
         return "" if self._stamp_ns - self._rival.first_ns >= CONVINCED_NS else reason
 
-    def _take_in_rival(self, values: Floats) -> None:
-        if self._rival is None or self._rival.contradiction(values):
-            self._rival = _Road(values, self._stamp_ns)
+    def _take_in_rival(self, values: Floats, noise: Floats) -> None:
+        if self._rival is None or self._rival.contradiction(values, noise):
+            self._rival = _Road(values, noise, self._stamp_ns)
         else:
-            self._rival.take_in(values, self._stamp_ns)
+            self._rival.take_in(values, noise, self._stamp_ns)

@@ -36,11 +36,11 @@ def add_rate(command: argparse.ArgumentParser) -> None:
     command.add_argument("--rate", type=positive, default=1.0, help="speed, 2 is twice as fast; default: 1")
 
 
-def add_jobs(command: argparse.ArgumentParser) -> None:
+def add_jobs(command: argparse.ArgumentParser, default: int | None = None) -> None:
     """Add --jobs, how many processes work."""
-    cpus = available_cpus()
-    text = f"processes that work, default: one a CPU, here {cpus}"
-    command.add_argument("--jobs", type=count, default=cpus, metavar="N", help=text)
+    jobs = default or available_cpus()
+    text = f"processes that work, default: {default or f'one a CPU, here {jobs}'}"
+    command.add_argument("--jobs", type=count, default=jobs, metavar="N", help=text)
 
 
 def count(text: str) -> int:

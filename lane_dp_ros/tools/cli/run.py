@@ -18,7 +18,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     add_bag(command)
     add_output(command)
     add_config(command)
-    add_jobs(command)
+    add_jobs(command, default=1)
     command.set_defaults(run=run)
 
 

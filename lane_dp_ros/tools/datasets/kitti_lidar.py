@@ -32,8 +32,11 @@ class LidarFrame:
 
     @property
     def camera(self) -> StereoCamera:
-        """The pair's camera. Raises ValueError for a calibration that is none of a rectified pair."""
-        return StereoCamera.from_projections(self.pair.P_left, self.pair.P_right)
+        """The pair's camera. Raises CommandError for a calibration that is none of a rectified pair."""
+        try:
+            return StereoCamera.from_projections(self.pair.P_left, self.pair.P_right)
+        except ValueError as error:
+            raise CommandError(f"the calibration of {self.lidar}: {error}") from None
 
     def load(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.float64]]:
         """Return the left and the right picture and the disparity (H, W) [px], 0 where there is none.

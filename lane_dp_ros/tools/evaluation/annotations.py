@@ -126,7 +126,7 @@ class LabelledFrame:
         """Return the root of the quadratic on the road's side."""
         camera, (g0, g1, g2, _) = self.camera, self.ground
         c = g0 - camera.fx * camera.baseline / z
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray(camera.cy - 100 * 2 * c / (g1 + np.sqrt(g1 * g1 - 4 * g2 * c)))
 
     def on_ground(self, pixels: ArrayLike) -> Floats:

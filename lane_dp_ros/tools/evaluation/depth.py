@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 
 DEPTHS = (8.0, 12.0, 18.0, 25.0)  # m, of the tables
 CURVE_DEPTHS: Floats = np.arange(6.0, 31.0, dtype=np.float64)  # m, of the curve over distance
+NO_ROAD = 1.0  # error where there is road, but none was measured: twice as deep
 SPREAD = 90.0  # percentile of the magnitude of errors
 BAND = (5.0, 95.0)  # percentiles between which nine of ten errors lie
 
@@ -25,7 +26,8 @@ BAND = (5.0, 95.0)  # percentiles between which nine of ten errors lie
 class DepthErrors:
     """How much too deep the surface of a frame was measured, z_measured / z - 1, at each of CURVE_DEPTHS.
 
-    NaN where the truth knows of no road in the image, and at and above the horizon of the measured surface.
+    NaN where the truth knows of no road in the image; `NO_ROAD` at and above the horizon of the measured
+    surface.
     `measured` is False for a frame in which no surface was found.
     """
 
@@ -50,7 +52,7 @@ def depth_errors(
     known = np.isfinite(rows) & (reach >= CURVE_DEPTHS)
     errors = np.full(len(rows), np.nan)
     _, measured = surface.pixel_to_ground(np.full(np.count_nonzero(known), frame.camera.cx), rows[known])
-    errors[known] = measured / CURVE_DEPTHS[known] - 1
+    errors[known] = np.where(np.isfinite(measured), measured / CURVE_DEPTHS[known] - 1, NO_ROAD)
     return DepthErrors(tuple(errors.tolist()))
 
 

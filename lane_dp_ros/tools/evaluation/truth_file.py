@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 _SHAPES = {(4,): "4 numbers", (-1, 2): "[a, b] points", (-1, 3): "[a, b, c] points"}
 CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
 TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
+LARGEST = 1e6  # of any number in a truth
+NEAREST = 0.1  # m; no road is nearer to a camera
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
 
 
@@ -147,21 +149,23 @@ def _profile(fields: dict[str, Any]) -> Floats | None:
     if fields.get("profile") is None:
         return None
     profile = _numbers(fields["profile"], (-1, 2), "profile")
-    if len(profile) < 2 or profile[0, 0] <= 0 or not np.all(np.diff(profile[:, 0]) > 0):
-        raise ValueError("profile is no list of at least 2 points [z, v] with rising z > 0")
+    if len(profile) < 2 or profile[0, 0] < NEAREST or not np.all(np.diff(profile[:, 0]) > 0):
+        raise ValueError("profile is no list of at least 2 points [z, v] with rising z >= 0.1")
     return profile
 
 
 def _numbers(values: Any, shape: tuple[int, ...], what: str) -> Floats:
     try:
         given = np.array(values, dtype=np.float64)
-        if given.ndim == 2 and given.shape[1] != shape[-1]:
+        if given.ndim != len(shape) or given.shape[-1] != shape[-1]:
             raise ValueError
         numbers = given.reshape(shape)
     except (TypeError, ValueError):
         raise ValueError(f"{what} is no list of {_SHAPES[shape]}") from None
     if not np.all(np.isfinite(numbers)):
         raise ValueError(f"{what} holds values that are not finite numbers (NaN?)")
+    if np.any(np.abs(numbers) > LARGEST):
+        raise ValueError(f"{what} holds values of more than {LARGEST:.0e}, expected metres and pixels")
     return numbers
 
 

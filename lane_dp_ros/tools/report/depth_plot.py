@@ -7,11 +7,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lane_dp_ros.tools.evaluation.depth import DepthCurve
 from lane_dp_ros.tools.report.chart import Axis, Chart, scale
 
 TITLE = "Depth error over distance"
+LIMIT = 20.0  # %; larger errors lie on the chart's border: a road that was missed would flatten all else
 SERIES = ("one", "two", "three", "four")  # classes of the style sheet
 
 
@@ -31,14 +33,18 @@ def depth_chart(curves: Sequence[DepthCurve]) -> Chart:
         Axis("depth error [%]", -top, top, [-tick for tick in ticks[:0:-1]] + ticks),
     )
     for curve, style in zip(curves, SERIES, strict=False):
-        chart.band(curve.depths, 100 * curve.low, 100 * curve.high, f"band {style}")
+        chart.band(curve.depths, _percent(curve.low), _percent(curve.high), f"band {style}")
     chart.line((depths[0], depths[-1]), (0, 0), "ideal")
     for curve, style in zip(curves, SERIES, strict=False):
-        chart.line(curve.depths, 100 * curve.bias, f"series {style}")
+        chart.line(curve.depths, _percent(curve.bias), f"series {style}")
     return chart
 
 
+def _percent(errors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.clip(100 * errors, -LIMIT, LIMIT)
+
+
 def _largest(curve: DepthCurve) -> float:
-    """Return the largest error [%] in a curve's band, at least 0.1."""
-    values = np.abs(np.concatenate([curve.low, curve.high]))
-    return max(0.1, 100 * float(np.max(values[np.isfinite(values)], initial=0)))
+    """Return the largest error [%] that is drawn of a curve's band, at least 0.1."""
+    values = np.abs(_percent(np.concatenate([curve.low, curve.high])))
+    return max(0.1, float(np.max(values[np.isfinite(values)], initial=0)))

@@ -18,7 +18,7 @@ from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
-from lane_dp_ros.messages.stereo_pipeline import detect_unaided
+from lane_dp_ros.messages.stereo_pipeline import detect_alone
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.answers import read_picture
 from lane_dp_ros.tools.evaluation.scores import FrameScore
@@ -98,9 +98,10 @@ def _pairs(
     for bag_pair in read_stereo_pairs(reader, find_stereo_topics(reader), sync):
         if wanted(stamp_ns := bag_pair.pair.stamp_ns):
             try:
-                found = detect_unaided(bag_pair.pair, bag_pair.infos, config)
-                left, camera = found.read.frame.left, found.read.camera
-                yield stamp_ns, FrameImages(left, camera, found.detection, found.problem)
+                read, found = detect_alone(bag_pair.pair, bag_pair.infos, config)
+                without_road = found is not None and found.road is None
+                problem = read.problem or (found.note if found is not None and without_road else "")
+                yield stamp_ns, FrameImages(read.frame.left, read.camera, found, problem)
             except ValueError as error:
                 yield stamp_ns, FrameImages(note=f"no images: {one_line(error)}")
 

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view, right_view
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -27,8 +28,8 @@ HEIGHT = 1.6  # m
 @pytest.fixture(scope="module")
 def road(camera):
     """A road that climbs and leans."""
-    b0, b1, _, _ = RoadSurface.plane(camera, HEIGHT, 0.02).coefficients
-    return RoadSurface(camera, (b0, b1, 0.4, 0.5))
+    b0, b1, _, _ = QuadraticSurface.plane(camera, HEIGHT, 0.02).coefficients
+    return QuadraticSurface(camera, (b0, b1, 0.4, 0.5))
 
 
 @pytest.fixture(scope="module")
@@ -75,13 +76,22 @@ def test_the_bonnet_is_not_looked_at(road, disparity_of):
     assert not view.seen[view.s < 3].any()
 
 
+def test_behind_a_crest_nothing_is_seen(camera, blank, disparity_of):
+    """From 1.6 m above it the summit of a curvature of -0.0125 1/m is sqrt(2 * 1.6 / 0.0125) = 16 m ahead."""
+    crest = VerticalCurve.of_foot(camera, 1.6, 0.0, -0.0125)
+    view = birds_eye_view(blank, disparity_of(crest), crest, RoadAxis(), CONFIG)
+    assert view.seen[(view.s > 8) & (view.s < 16), 40].all()
+    assert not view.seen[view.s > 16].any()
+    assert not view.on_road[view.s > 16].any()
+
+
 def test_an_empty_road_has_no_height_and_is_all_road(view):
     np.testing.assert_allclose(view.height[view.seen], 0, atol=0.05)
     assert np.array_equal(view.on_road, view.seen)
 
 
 def test_what_stands_on_the_road_is_not_road(camera, blank, disparity_of):
-    road = RoadSurface.plane(camera, HEIGHT, 0.0)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.0)
     disparity = disparity_of(road)
     rows, columns = slice(200, 220), slice(300, 360)  # 13 m to 10.4 m ahead
     disparity.matched[rows, columns] *= HEIGHT / (HEIGHT - 0.4)  # 0.4 m above the ground
@@ -98,7 +108,7 @@ def test_what_stands_on_the_road_is_not_road(camera, blank, disparity_of):
 
 
 def test_less_than_a_pixel_of_disparity_is_noise_whatever_height_it_means(camera, blank, disparity_of):
-    road = RoadSurface.plane(camera, HEIGHT, 0.0)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.0)
     disparity = disparity_of(road)
     disparity.matched[:] += 0.8
     view = birds_eye_view(blank, disparity, road, RoadAxis(), BirdsEyeConfig())
@@ -107,7 +117,7 @@ def test_less_than_a_pixel_of_disparity_is_noise_whatever_height_it_means(camera
 
 
 def test_the_plane_that_is_given_makes_the_map_and_the_surface_the_heights(camera, blank, disparity_of, road):
-    flat = RoadSurface.plane(camera, HEIGHT, 0.03)
+    flat = QuadraticSurface.plane(camera, HEIGHT, 0.03)
     view = birds_eye_view(blank, disparity_of(road), road, AXIS, CONFIG, flat)
     x, z = AXIS.to_ground(view.s[:, None], view.n[None])
     u, v = flat.ground_to_pixel(x, z)
@@ -118,7 +128,7 @@ def test_the_plane_that_is_given_makes_the_map_and_the_surface_the_heights(camer
 
 @given(s=st.floats(4.5, 30), n=st.floats(-6, 6))
 def test_points_lie_on_the_surface_where_the_map_shows_them(camera, view, s, n):
-    plane = RoadSurface.plane(camera, HEIGHT, 0.03)
+    plane = QuadraticSurface.plane(camera, HEIGHT, 0.03)
     for seen_as in (view, replace(view, ipm_plane=plane)):
         points = seen_as.to_points([s], [n])
         pixels = camera.project(points)
@@ -137,7 +147,7 @@ def test_points_above_the_horizon_are_in_no_cell(view):
 
 def test_cells_are_means_of_the_picture_where_they_cover_many_pixels(camera, disparity_of):
     """Near, a cell of 0.05 m by 0.25 m covers hundreds of pixels; eight samples of it are looked at."""
-    road = RoadSurface.plane(camera, HEIGHT, 0.0)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.0)
     noise = np.random.default_rng(0).normal(0, 20, (300, 640))
     image = np.clip(np.rint(120 + noise), 0, 255).astype(np.uint8)
     view = birds_eye_view(image, disparity_of(road), road, RoadAxis(), BirdsEyeConfig())
@@ -153,7 +163,7 @@ def test_cells_are_means_of_the_picture_where_they_cover_many_pixels(camera, dis
 @pytest.mark.parametrize("offset", [-1.26, 0.0, 1.013])
 def test_the_mean_does_not_shift_a_line(camera, disparity_of, resolution, axis, offset):
     """A line of bell-shaped brightness has its centroid where it was drawn."""
-    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.02)
     v, u = np.mgrid[:300, :640].astype(float)
     x, z = road.pixel_to_ground(u, v)
     n = axis.offset(x, z)
@@ -170,7 +180,7 @@ def test_the_mean_does_not_shift_a_line(camera, disparity_of, resolution, axis, 
 
 @pytest.mark.parametrize("place", [7.03, 9.5])
 def test_the_mean_does_not_shift_a_line_across_the_road(camera, disparity_of, place):
-    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.02)
     v, u = np.mgrid[:300, :640].astype(float)
     _, z = road.pixel_to_ground(u, v)
     paint = np.where(np.isfinite(z), 160 * np.exp(-0.5 * ((z - place) / 0.4) ** 2), 0)
@@ -187,14 +197,14 @@ def test_the_mean_does_not_shift_a_line_across_the_road(camera, disparity_of, pl
 @given(data=st.data())
 def test_awkward_input_gives_a_view(awkward, data):
     image, disparity, camera = data.draw(awkward)
-    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.02)
     view = birds_eye_view(image, disparity, road, RoadAxis(0.1, -0.05), SMALL)
     assert view.image.shape == view.height.shape == view.on_road.shape == (10, 20)
     assert not np.any(view.on_road & ~view.seen)
 
 
 def test_the_right_image_shows_the_same_ground_in_the_same_cells(camera, picture_of, right_of, disparity_of):
-    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.02)
     left = picture_of(road, AXIS, (-1.8, 1.2))
     view = birds_eye_view(left, disparity_of(road), road, AXIS, CONFIG)
     other = right_view(right_of(left, road), view)
@@ -207,7 +217,7 @@ def test_the_right_image_shows_the_same_ground_in_the_same_cells(camera, picture
 def test_what_either_camera_does_not_see_or_stands_on_the_road_is_not_on_the_right_views_road(
     camera, blank, disparity_of
 ):
-    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.02)
     disparity = disparity_of(road)
     disparity.matched[200:210] += 20  # a bar across the road
     view = birds_eye_view(blank, disparity, road, RoadAxis(), replace(CONFIG, width=12.0))
@@ -220,7 +230,7 @@ def test_what_either_camera_does_not_see_or_stands_on_the_road_is_not_on_the_rig
 
 def test_a_disparity_offset_moves_the_right_view(camera, picture_of, right_of, disparity_of):
     """The principal points of the two cameras differ by 5 px; depth is fx * baseline / (d - 5)."""
-    road = RoadSurface.plane(replace(camera, disparity_offset=5.0), HEIGHT, 0.02)
+    road = QuadraticSurface.plane(replace(camera, disparity_offset=5.0), HEIGHT, 0.02)
     left = picture_of(road, RoadAxis(), (0.55,))  # the middle of a column
     view = birds_eye_view(left, disparity_of(road), road, RoadAxis(), CONFIG)
     other = right_view(right_of(left, road), view)
@@ -234,7 +244,7 @@ def test_cells_that_a_standing_thing_hides_from_the_right_camera_are_not_on_its_
     camera, blank, disparity_of
 ):
     """A kerb 0.3 m high, 2 m to the right: the right camera sees it b h / (H - h) further left."""
-    road = RoadSurface.plane(camera, HEIGHT, 0.02)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.02)
     height = 0.3
     v, u = np.indices(blank.shape, dtype=np.float32)
     x, z = road.pixel_to_ground(u, v)
@@ -255,7 +265,7 @@ def test_cells_that_a_standing_thing_hides_from_the_right_camera_are_not_on_its_
 
 def test_a_road_that_climbs_far_above_the_matched_rows_is_looked_at(camera):
     """A few rows at the bottom were matched; above them nothing is known of heights, as without a match."""
-    road = RoadSurface.plane(camera, HEIGHT, 0.05)
+    road = QuadraticSurface.plane(camera, HEIGHT, 0.05)
     image = np.random.default_rng(0).integers(0, 256, (300, 640), np.uint8)
     low = DisparityMap(image.shape, 270, np.full((15, 320), 3.0, np.float32))
     view = birds_eye_view(image, low, road, RoadAxis(), CONFIG)

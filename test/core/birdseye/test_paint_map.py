@@ -20,8 +20,8 @@ from lane_dp_ros.core.birdseye.paint_map import (
 )
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.config import preset
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
 ASPHALT = 90  # grey level of the drawn pictures
 CENTRE = 1.025  # m, the middle of a column
@@ -142,7 +142,7 @@ def test_cells_that_show_no_road_are_no_paint(painted_road, feature):
 @pytest.fixture
 def two_sights(camera, picture_of, right_of, disparity_of):
     """Return a function: view and right image of a flat road, by the lines n [m] that each camera sees."""
-    surface = RoadSurface.plane(camera, 1.6, 0.02)
+    surface = QuadraticSurface.plane(camera, 1.6, 0.02)
 
     def two_sights(left, right):
         by_left, by_right = (picture_of(surface, RoadAxis(), offsets) for offsets in (left, right))

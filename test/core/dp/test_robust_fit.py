@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robust polynomials: parabolas among outliers, Tukey's weights."""
+"""Robust linear models: RANSAC among outliers, Tukey's weights."""
 
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.dp.robust_fit import ransac_parabola, tukey_fit
+from lane_dp_ros.core.dp.robust_fit import ransac, ransac_parabola, solved, tukey_fit, tukey_weights
 
 TRUTH = np.array([1.5, -0.02, 0.003])  # y = 1.5 m - 0.02 x + 0.003 x^2
 X = np.linspace(5, 35, 100)
@@ -55,6 +55,43 @@ def test_fewer_than_three_points_fix_no_parabola(count):
 
 def test_points_above_one_another_fix_no_parabola():
     assert fit(np.full(10, 7.0), np.arange(10.0)) is None
+
+
+def test_any_linear_model_is_found_among_outliers():
+    """y = 3 / x - 1 + 0.5 x, as a road's row is of its disparity; a third of the points are off by 1 to 4."""
+    rng = np.random.default_rng(1)
+    x = np.linspace(0.5, 4, 90)
+    A, wrong = np.stack([1 / x, np.ones_like(x), x], axis=1), np.arange(90) % 3 == 0
+    y = A @ [3.0, -1.0, 0.5] + np.where(wrong, rng.uniform(1, 4, 90), rng.normal(0, 0.01, 90))
+    found = ransac(A, y, 0.05, 100, np.random.default_rng(0))
+    np.testing.assert_array_equal(found.inliers, ~wrong)
+    np.testing.assert_allclose(found.coefficients, [3.0, -1.0, 0.5], atol=0.03)
+
+
+def test_as_many_points_as_coefficients_are_needed():
+    A, rng = np.array([[1.0, 0.0], [1.0, 1.0]]), np.random.default_rng(0)
+    assert ransac(A[:1], np.array([2.0]), 0.1, 20, rng) is None
+    found = ransac(A, np.array([2.0, 5.0]), 0.1, 20, rng)
+    np.testing.assert_allclose(found.coefficients, [2.0, 3.0])
+
+
+def test_columns_that_depend_on_one_another_fix_no_model():
+    A = np.outer(np.arange(1.0, 11), [1.0, 2.0])
+    assert ransac(A, np.ones(10), 0.1, 50, np.random.default_rng(0)) is None
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_tukeys_weights_by_hand(dtype):
+    """(1 - (r / 2)^2)^2."""
+    residuals = np.array([0.0, 1.0, -1.0, 2.0, -5.0], dtype)
+    weights = tukey_weights(residuals, 2.0)
+    assert weights.dtype == dtype
+    assert weights.tolist() == [1.0, 0.5625, 0.5625, 0.0, 0.0]
+    assert residuals.tolist() == [0.0, 1.0, -1.0, 2.0, -5.0]
+
+
+def test_normal_equations_are_solved():
+    np.testing.assert_allclose(solved(np.array([[4.0, 1.0], [1.0, 3.0]]), np.array([9.0, 5.0])), [2.0, 1.0])
 
 
 def tukey(A, y, weights=None, **options):

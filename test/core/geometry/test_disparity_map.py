@@ -28,6 +28,14 @@ def test_every_pixel_has_the_disparity_of_its_cell():
     np.testing.assert_array_equal(FOUR.full, expected)
 
 
+def test_cells_have_their_middles_between_pixels():
+    """Rows 2 and 3 have theirs at 2.5."""
+    assert FOUR.cell_size == (2, 2)
+    u, v = FOUR.centres
+    assert u.dtype == v.dtype == np.float32
+    assert (u.tolist(), v.tolist()) == ([0.5, 2.5], [2.5, 4.5])
+
+
 def test_pixels_are_looked_up_one_by_one():
     found = FOUR.at(np.array([3, 2, 5, 0]), np.array([1, 2, 3, 1]))
     np.testing.assert_array_equal(found, [10, 20, NAN, NAN])
@@ -83,3 +91,5 @@ def test_every_cell_covers_a_rectangle_of_its_share(rows, columns, above, downsc
         assert index.tolist() == [i * count // pixels for i in range(pixels)]
     v, u = np.indices(disparity.shape)
     np.testing.assert_array_equal(disparity.at(v, u), full)
+    u, v = np.meshgrid(*disparity.centres)
+    np.testing.assert_array_equal(disparity.nearest(u, v), cells)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
 from lane_dp_ros.core.lanes.mono_fallback import MonoFallbackConfig, is_kept, without_heights
 from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
@@ -152,7 +152,7 @@ def test_what_counts_as_beside_and_how_much_is_left_is_configured(limits, confid
 
 def left_alone(image, road, known=None):
     """Return what is found in a left image alone, on the road that it shows."""
-    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
+    surface = QuadraticSurface.plane(CAMERA, road.camera_height, road.pitch)
     prior = Prior(lambda _: RoadEstimate(surface, "nominal"), lanes=known)
     return LaneDetector(CAMERA).detect(StereoFrame(image), prior).lanes
 

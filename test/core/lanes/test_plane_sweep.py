@@ -8,8 +8,8 @@ import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig, birds_eye_view
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.plane_sweep import PLANES, LineHeights, PlaneSweepConfig, _seen, line_heights
@@ -28,7 +28,7 @@ CONFIG = PlaneSweepConfig()
 @pytest.fixture(scope="module")
 def grainy_pair(camera):
     """Return a function: a pair that shows grainy ground, so high along x = `n` [m] and beside it."""
-    surface = RoadSurface.plane(camera, 1.65, 0.02)
+    surface = QuadraticSurface.plane(camera, 1.65, 0.02)
 
     def grainy_pair(
         line=0.0,

@@ -53,7 +53,7 @@ def test_good_evidence_is_that_of_paint():
         ("paint_width", 0.36, 0.37),
         ("wide_band_ratio", 1.0, 1.01),
         ("height", 0.05, 0.06),
-        ("slope", 0.11, 0.12),
+        ("slope", 0.14, 0.15),
         ("off_paint_fraction", 0.1, 0.11),
         ("texture", 0.2, 0.21),
     ],
@@ -80,7 +80,7 @@ def test_in_glare_paint_need_only_use_what_is_left_up_to_white():
         ("contrast_min", 0.11, replace(GOOD, **FAINT, contrast=0.1)),
         ("saturation_contrast_min", 0.11, replace(GOOD, contrast=0.0, saturation_contrast=0.1)),
         ("height_max", 0.04, replace(GOOD, height=0.05)),
-        ("slope_max", 0.10, replace(GOOD, slope=0.11)),
+        ("slope_max", 0.13, replace(GOOD, slope=0.14)),
         ("off_paint_fraction_max", 0.09, replace(GOOD, off_paint_fraction=0.1)),
         ("texture_max", 0.19, replace(GOOD, texture=0.2)),
         ("start_max", 5.0, GOOD),
@@ -103,7 +103,7 @@ def test_the_limits_are_those_of_the_configuration(name, closer, evidence):
 
 
 def test_the_allowance_for_bends_is_that_of_the_configuration():
-    steep = replace(GOOD, slope=0.2)
+    steep = replace(GOOD, slope=0.25)
     assert painted(steep, bend=0.02)
     assert not painted(steep, bend=0.02, config=replace(CONFIG, slope_per_bend=4.0))
 
@@ -162,7 +162,7 @@ def test_what_begins_far_away_is_no_lane(first, paint):
 
 @pytest.mark.parametrize("bend", [-0.02, 0.02])  # 1/m
 def test_lines_may_be_steeper_on_a_bend(bend):
-    steepest = 0.11 + 7.0 * 0.02
+    steepest = 0.14 + 7.0 * 0.02
     assert painted(replace(GOOD, slope=steepest - 0.001), bend)
     assert not painted(replace(GOOD, slope=steepest + 0.001), bend)
     assert not painted(replace(GOOD, slope=steepest - 0.001))

@@ -55,17 +55,17 @@ def test_a_weak_line_by_itself_is_none_and_a_strong_one_is():
 
 
 def test_of_unknown_height_a_line_by_itself_takes_more_paint():
-    assert selected(line(1.75, score=5.9), height=np.nan) == []
-    assert selected(line(1.75, score=6.0), height=np.nan) == [0]
-    assert selected(line(1.75, score=5.9)) == [0]
-    weak = line(-1.75, score=5.9), line(1.75, score=5.9)
+    assert selected(line(1.75, score=8.9), height=np.nan) == []
+    assert selected(line(1.75, score=9.0), height=np.nan) == [0]
+    assert selected(line(1.75, score=8.9)) == [0]
+    weak = line(-1.75, score=8.9), line(1.75, score=8.9)
     assert selected(*weak, height=np.nan) == [0, 1]  # but not beside another one
 
 
 def test_more_paint_that_a_line_by_itself_is_to_have_holds_for_unknown_heights_too():
-    config = replace(CONFIG, score_alone=7.0)
-    assert selected(line(1.75, score=6.5), config=config, height=np.nan) == []
-    assert selected(line(1.75, score=7.0), config=config, height=np.nan) == [0]
+    config = replace(CONFIG, score_alone=10.0)
+    assert selected(line(1.75, score=9.5), config=config, height=np.nan) == []
+    assert selected(line(1.75, score=10.0), config=config, height=np.nan) == [0]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface, surface_of
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.monitoring.calibration_monitor import CalibrationMonitor, Observation, lane_gaps
 from lane_dp_ros.core.monitoring.vertical_disparity import VerticalDisparity
 from lane_dp_ros.core.types import Lane, StereoFrame
@@ -17,7 +17,7 @@ from lane_dp_ros.scenes import CAMERA, Road, render_pair
 
 pytestmark = pytest.mark.filterwarnings("error")
 
-NOMINAL = RoadSurface.plane(CAMERA, 1.65, 0.0)
+NOMINAL = VerticalCurve.plane(CAMERA, 1.65, 0.0)
 STEP = 100_000_000  # ns between pairs
 
 
@@ -29,7 +29,7 @@ def lane(offset, opening=0.0, last=30.0, axis=None, first=6.0):
 
 
 def road(height=1.65, pitch=0.0, curvature=0.0):
-    return surface_of(NOMINAL, np.array([height, pitch, 0.0, curvature]))
+    return VerticalCurve.of_geometry(CAMERA, np.array([height, pitch, curvature, 0.0]))
 
 
 def sight(*lanes, surface=None, rows=None):
@@ -148,7 +148,7 @@ def test_hills_say_nothing_of_heights_and_widths():
 def test_another_calibration_begins_anew():
     check = CalibrationMonitor()
     assert watch(sight(surface=road(height=2.0)), check=check).complaint
-    other = RoadSurface.plane(replace(CAMERA, baseline=0.5), 1.65, 0.0)
+    other = VerticalCurve.plane(replace(CAMERA, baseline=0.5), 1.65, 0.0)
     assert watch(sight(surface=road(height=2.0)), 1.0, check, 41 * STEP, other).complaint == ""
 
 
@@ -185,6 +185,6 @@ def pair(rendered):
 def test_a_rendered_road_seen_through_a_wrong_camera(pair, wrong, complaint):
     camera = replace(CAMERA, **wrong)
     found = LaneDetector(camera).detect(StereoFrame(pair.left, pair.right))
-    verdict = watch(Observation(0, found.road, found.lanes), nominal=RoadSurface.plane(camera, 1.65, 0.0))
+    verdict = watch(Observation(0, found.road, found.lanes), nominal=VerticalCurve.plane(camera, 1.65, 0.0))
     assert verdict.complaint.startswith(complaint)
     assert bool(verdict.complaint) == bool(complaint)

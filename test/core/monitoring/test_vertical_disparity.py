@@ -64,7 +64,7 @@ def offset_of(scene):
         turn[1, 2] += rows
         size = pair.right.shape[::-1]
         right = cv2.warpAffine(pair.right, turn, size, borderMode=cv2.BORDER_REPLICATE)
-        disparity = dense_disparity(StereoFrame(pair.left, right), CAMERA, DisparityConfig())
+        disparity = dense_disparity(StereoFrame(pair.left, right), CAMERA, DisparityConfig(), 103.0)
         return vertical_disparity(pair.left, right, disparity, CAMERA)
 
     return offset_of

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.arc_vote import arc_of_edges
 from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
 from lane_dp_ros.core.road.edge_pixels import EdgePixels, edge_pixels
@@ -59,7 +59,7 @@ def test_the_axis_of_exact_edges(heading, curvature):
 @pytest.mark.parametrize("curvature", [-0.02, 0.0, 0.01])
 @pytest.mark.parametrize("heading", [-0.1, 0.05])
 def test_the_axis_of_a_drawn_road(camera, picture_of, disparity_of, heading, curvature):
-    road = RoadSurface.plane(camera, 1.6, 0.02)
+    road = QuadraticSurface.plane(camera, 1.6, 0.02)
     truth = RoadAxis(heading, curvature)
     picture = picture_of(road, truth, (-1.8, 1.7))
     axis = voted(edge_pixels(picture, disparity_of(road), road))
@@ -70,8 +70,8 @@ def test_the_axis_of_a_drawn_road(camera, picture_of, disparity_of, heading, cur
 
 def test_the_axis_of_a_rendered_road(scene):
     road, pair = scene
-    surface = RoadSurface.plane(CAMERA, road.camera_height, road.pitch)
-    disparity = dense_disparity(StereoFrame(pair.left, pair.right), CAMERA, DisparityConfig())
+    surface = QuadraticSurface.plane(CAMERA, road.camera_height, road.pitch)
+    disparity = dense_disparity(StereoFrame(pair.left, pair.right), CAMERA, DisparityConfig(), 103.0)
     axis = voted(edge_pixels(pair.left, disparity, surface))
     assert axis.heading == pytest.approx(0, abs=DEGREE)
     assert axis.curvature == pytest.approx(road.curvature, abs=0.003)

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.dense_vote import quartic_vanishing_point
 from lane_dp_ros.core.road.edge_pixels import EdgePixels, edge_pixels
 from lane_dp_ros.core.road.vanishing_point import vanishing_point_of
@@ -26,7 +26,7 @@ def dense_point(road, axis, picture_of, disparity_of):
 
 @pytest.fixture(scope="module")
 def road(camera):
-    return RoadSurface.plane(camera, 1.6, 0.02)
+    return QuadraticSurface.plane(camera, 1.6, 0.02)
 
 
 @pytest.mark.parametrize("heading", [-0.1, 0.0, 0.08])
@@ -53,8 +53,8 @@ def test_the_vanishing_point_of_a_bend_moves_along_the_road(road, picture_of, di
 
 
 def test_the_horizon_is_that_of_the_profile_ten_metres_ahead(camera, picture_of, disparity_of):
-    b0, b1, _, _ = RoadSurface.plane(camera, 1.6, 0.02).coefficients
-    hill = RoadSurface(camera, (b0, b1, 1.0, 0.0))
+    b0, b1, _, _ = QuadraticSurface.plane(camera, 1.6, 0.02).coefficients
+    hill = QuadraticSurface(camera, (b0, b1, 1.0, 0.0))
     point = dense_point(hill, RoadAxis(), picture_of, disparity_of)
     _, row = hill.ground_to_pixel(np.zeros(1), np.full(1, 10.0))
     assert point.v == pytest.approx(hill.horizon(row)[0])
@@ -68,7 +68,7 @@ def test_too_few_edges_show_no_vanishing_point(road, picture_of, disparity_of, c
 
 
 def test_edges_in_a_few_rows_only_give_a_point_there(camera, road, disparity_of):
-    hill = RoadSurface(camera, (*road.coefficients[:2], 1.0, 0.0))
+    hill = QuadraticSurface(camera, (*road.coefficients[:2], 1.0, 0.0))
     picture = np.zeros(SHAPE, np.uint8)
     picture[296:, ::20] = 255
     edges = edge_pixels(picture, disparity_of(hill), hill)
@@ -83,7 +83,7 @@ def test_edges_in_a_few_rows_only_give_a_point_there(camera, road, disparity_of)
 @given(data=st.data())
 def test_awkward_images_and_cameras_give_a_point(awkward, data):
     image, _, camera = data.draw(awkward)
-    road = RoadSurface.plane(camera, 1.6, 0.02)
+    road = QuadraticSurface.plane(camera, 1.6, 0.02)
     edges = edge_pixels(image, DisparityMap.unknown(image.shape), road)
     point = quartic_vanishing_point(edges, road, image.shape)
     assert point is None or np.isfinite([point.u, point.v]).all()

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.edge_pixels import edge_pixels
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -20,13 +20,13 @@ OFFSETS = (-1.8, 1.6)  # m
 
 @pytest.fixture(scope="module", params=[0.0, 2.0], ids=["upright", "leaning"])
 def road(camera, request):
-    b0, b1, _, _ = RoadSurface.plane(camera, 1.6, 0.02).coefficients
-    return RoadSurface(camera, (b0, b1, 0.3, b1 * np.tan(np.deg2rad(request.param))))
+    b0, b1, _, _ = QuadraticSurface.plane(camera, 1.6, 0.02).coefficients
+    return QuadraticSurface(camera, (b0, b1, 0.3, b1 * np.tan(np.deg2rad(request.param))))
 
 
 @pytest.fixture(scope="module")
 def flat(camera):
-    return RoadSurface.plane(camera, 1.6, 0.02)
+    return QuadraticSurface.plane(camera, 1.6, 0.02)
 
 
 def test_edges_of_paint_have_the_place_and_the_heading_of_its_borders(road, picture_of, disparity_of):
@@ -103,7 +103,7 @@ def test_no_edges_in_a_blank_picture(flat, disparity_of, grey):
 @given(data=st.data(), pitch=st.sampled_from([-0.2, 0.02]))
 def test_awkward_input_gives_edges_on_the_ground(awkward, data, pitch):
     image, disparity, camera = data.draw(awkward)
-    edges = edge_pixels(image, disparity, RoadSurface.plane(camera, 1.6, pitch))
+    edges = edge_pixels(image, disparity, QuadraticSurface.plane(camera, 1.6, pitch))
     assert all(np.isfinite(field).all() for field in vars(edges).values())
 
 
@@ -112,6 +112,6 @@ def test_awkward_input_gives_edges_on_the_ground(awkward, data, pitch):
 def test_awkward_images_before_an_upright_camera_give_edges_on_the_ground(awkward, data):
     """In whose pictures there is a road; with the cameras drawn there mostly is none."""
     image, disparity, _ = data.draw(awkward)
-    road = RoadSurface.plane(StereoCamera(700.0, 690.0, 200.0, 20.0, 0.5), 1.6, 0.02)
+    road = QuadraticSurface.plane(StereoCamera(700.0, 690.0, 200.0, 20.0, 0.5), 1.6, 0.02)
     edges = edge_pixels(image, disparity, road)
     assert all(np.isfinite(field).all() for field in vars(edges).values())

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.road.arc_vote import arc_of_edges
 from lane_dp_ros.core.road.dense_vote import quartic_vanishing_point
 from lane_dp_ros.core.road.edge_pixels import edge_pixels
@@ -35,7 +35,7 @@ ARC, DENSE = VanishingPointConfig(), VanishingPointConfig(method="dense")
 
 @pytest.fixture(scope="module")
 def road(camera):
-    return RoadSurface.plane(camera, 1.6, 0.02)
+    return QuadraticSurface.plane(camera, 1.6, 0.02)
 
 
 def test_an_arc_is_that_of_the_edges_on_the_measured_surface(road, picture_of, disparity_of):
@@ -66,7 +66,7 @@ def test_the_papers_direction_is_a_straight_road_on_a_plane(road, picture_of, di
     assert len(found.u_of_row) == 5  # a quartic
     pitch, yaw = pitch_and_yaw((point.u, point.v), road.camera, SHAPE, centred)
     assert found.axis == RoadAxis(yaw)
-    assert found.ipm_plane == RoadSurface.plane(road.camera, road.camera_height, pitch)
+    assert found.ipm_plane == QuadraticSurface.plane(road.camera, road.camera_height, pitch)
     assert (found.ipm_plane.pitch, found.ipm_plane.camera_height) == pytest.approx((pitch, 1.6))
 
 
@@ -96,7 +96,7 @@ def test_the_configuration_names_the_estimator():
 
 @given(heading=st.floats(-0.5, 0.5), pitch=st.floats(-0.1, 0.1))
 def test_the_angles_come_back_from_the_vanishing_point(camera, heading, pitch):
-    point = vanishing_point_of(RoadAxis(heading), RoadSurface.plane(camera, 1.6, pitch))
+    point = vanishing_point_of(RoadAxis(heading), QuadraticSurface.plane(camera, 1.6, pitch))
     assert pitch_and_yaw(point, camera, SHAPE) == pytest.approx((pitch, heading), abs=1e-9)
 
 
@@ -104,7 +104,7 @@ def test_the_vanishing_point_is_where_points_far_along_the_road_are_seen(camera)
     heading, pitch = 0.1, 0.05
     ahead = np.array([np.sin(heading), -np.cos(heading) * np.sin(pitch), np.cos(heading) * np.cos(pitch)])
     point = vanishing_point_of(
-        RoadAxis(np.arctan2(ahead[0], ahead[2])), RoadSurface.plane(camera, 1.6, pitch)
+        RoadAxis(np.arctan2(ahead[0], ahead[2])), QuadraticSurface.plane(camera, 1.6, pitch)
     )
     expected = camera.project(1e7 * ahead)[0]
     assert point[1] == pytest.approx(expected[1], abs=0.01)
@@ -136,6 +136,6 @@ def test_the_papers_formula_is_biased_on_kitti():
 
 @pytest.mark.parametrize(("sign", "read"), [(1, 8.9), (-1, 11.4)])
 def test_what_that_bias_makes_of_ten_metres(sign, read):
-    level, tilted = (RoadSurface.plane(KITTI, 1.65, pitch) for pitch in (0.0, sign * np.deg2rad(1.163)))
+    level, tilted = (QuadraticSurface.plane(KITTI, 1.65, pitch) for pitch in (0.0, sign * np.deg2rad(1.163)))
     pixel = level.ground_to_pixel(np.zeros(1), np.full(1, 10.0))
     assert tilted.pixel_to_ground(*pixel)[1] == pytest.approx(read, abs=0.05)

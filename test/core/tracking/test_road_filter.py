@@ -7,17 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_surface import RoadSurface, geometry, surface_of
+from lane_dp_ros.core.geometry.road_surface import geometry
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.scenes import CAMERA
 
 STEP = 100_000_000  # ns between frames
 START = 7_000_000_000
-NOMINAL = RoadSurface.plane(CAMERA, 1.5, 0.0)
+NOMINAL = VerticalCurve.plane(CAMERA, 1.5, 0.0)
 
 
 def road(height=1.65, pitch=0.01, roll=0.0, curvature=0.0):
-    return surface_of(NOMINAL, np.array([height, pitch, roll, curvature]))
+    return VerticalCurve.of_geometry(CAMERA, np.array([height, pitch, curvature, roll]))
 
 
 class Drive:
@@ -65,12 +66,63 @@ def test_the_last_road_is_that_which_was_measured():
 
 def test_noise_is_averaged_out():
     drive, rng = Drive(), np.random.default_rng(0)
-    noise = np.array([0.03, 0.005, 0.01, 5e-4])
+    truth, noise = np.array([1.65, 0.01, 0.0, 0.0]), np.array([0.03, 0.005, 5e-4, 0.01])
     for _ in range(100):
-        drive.see(surface_of(NOMINAL, np.array([1.65, 0.01, 0.0, 0.0]) + rng.normal(0, noise)))
-    held = geometry(drive.see(None).surface)
-    assert np.all(np.abs(held - [1.65, 0.01, 0.0, 0.0]) < noise)
-    assert abs(held[0] - 1.65) < 0.01 and abs(held[2]) < 0.004  # these hardly change and are averaged longer
+        drive.see(VerticalCurve.of_geometry(CAMERA, truth + rng.normal(0, noise)))
+    height, pitch, curvature, roll = np.abs(geometry(drive.see(None).surface) - truth)
+    assert pitch < 0.005 and curvature < 5e-4
+    assert height < 0.01 and roll < 0.004  # these hardly change and are averaged longer
+
+
+def uncertain(surface, *deviations):
+    """Return the surface as one that was measured with these standard deviations [m, rad, 1/m, rad]."""
+    return replace(surface, covariance=np.diag(np.square(deviations)))
+
+
+@pytest.mark.parametrize("quantity", range(4))
+def test_a_noisy_measurement_moves_the_held_road_less(quantity):
+    """As a Kalman filter weighs it: ten times the spread of roads, and it hardly counts."""
+    step, spread = np.array([0.05, 0.01, 2e-3, 0.01]), np.array([0.03, 0.008, 1.2e-3, 0.008])
+    moves = []
+    for times in (0, 1, 10):
+        drive, other = Drive(), geometry(road())
+        drive.see(road(), frames=20)
+        other[quantity] += step[quantity]
+        drive.see(uncertain(VerticalCurve.of_geometry(CAMERA, other), *(times * spread)))
+        held = geometry(drive.see(None).surface)
+        moves.append((held[quantity] - geometry(road())[quantity]) / step[quantity])
+    exact, noisy, noise = moves
+    assert 0.02 < noisy < 0.9 * exact < 0.9
+    assert 0 < noise < 0.1 * exact
+
+
+def test_after_noisy_measurements_an_exact_one_counts_more():
+    """The first frame is as uncertain as its measurement."""
+    held = []
+    for deviation in (0.0, 0.1):
+        drive = Drive()
+        drive.see(uncertain(road(1.60), deviation, 0, 0, 0))
+        drive.see(road(1.70))
+        held.append(drive.see(None).surface.camera_height)
+    assert held[0] == pytest.approx(1.65, abs=0.005)  # equally good
+    assert held[1] > 1.68
+
+
+@pytest.mark.parametrize(
+    ("deviation", "height", "source"),
+    [
+        (0.0, 1.78, "measured"),  # 5 * 0.03 m
+        (0.0, 1.82, "last"),
+        (0.0225, 1.82, "measured"),  # 5 * 0.0375 m
+        (0.0225, 1.86, "last"),
+        (0.2, 1.84, "measured"),  # 5 * sqrt(2) * 0.03 m: to be still less sure opens the gate no farther
+        (0.2, 1.88, "last"),
+    ],
+)
+def test_an_uncertain_road_is_gated_later(deviation, height, source):
+    drive = Drive()
+    drive.see(road(), frames=20)
+    assert drive.see(uncertain(road(height), deviation, 0, 0, 0)).source == source
 
 
 def test_pitch_is_followed_at_once_and_height_slowly():
@@ -136,7 +188,7 @@ def test_a_jump_of_time_forgets(jump_ns):
 def test_another_calibration_forgets():
     drive = Drive()
     drive.see(road(), frames=20)
-    other = RoadSurface.plane(replace(CAMERA, baseline=0.3), 1.5, 0.0)
+    other = VerticalCurve.plane(replace(CAMERA, baseline=0.3), 1.5, 0.0)
     estimate = drive.see(None, nominal=other)
     assert estimate.surface is other
     assert estimate.source == "nominal"

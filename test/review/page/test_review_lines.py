@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.tools.evaluation.truth_file import load_truth
 
 ARROW_RIGHT = "\ue014"  # as WebDriver writes it
@@ -47,7 +47,7 @@ def test_a_point_is_dragged_and_exported(open_page, served, drive_bag, browser, 
     page.wait(path.exists)
     (frame,) = load_truth(path)
     line = next(label for label in frame.labels if label.id == frame.ego_left)
-    plane = RoadSurface.plane(frame.camera, height=1.5, pitch=0.0)
+    plane = QuadraticSurface.plane(frame.camera, height=1.5, pitch=0.0)
     x, z = plane.pixel_to_ground(*np.array(uv[:1]).T)
     np.testing.assert_allclose(line.xz[0], [x[0], z[0]], atol=0.02)
     np.testing.assert_allclose(line.xz[-1, 0], -1.8, atol=0.1)

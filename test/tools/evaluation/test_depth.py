@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.depth import (
     CURVE_DEPTHS,
@@ -34,7 +34,7 @@ def frame(ground=(0.0, 100 * 0.54 / 1.65, 0.0, 0.0), size=(1200, 375), **fields)
 
 
 def plane(height, pitch=0.0):
-    return RoadSurface.plane(CAMERA, height, pitch)
+    return VerticalCurve.plane(CAMERA, height, pitch)
 
 
 def constant(error):

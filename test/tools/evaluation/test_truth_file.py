@@ -115,7 +115,12 @@ def test_a_failed_save_leaves_the_file(tmp_path):
         ({"a/1": {**FIELDS, "fx": 0}}, "frame 'a/1': fx is 0"),
         ({"a/1": {**FIELDS, "ground": [1, 2]}}, "frame 'a/1': ground is no list of 4 numbers"),
         ({"a/1": {**FIELDS, "profile": [[6, 300]]}}, r"frame 'a/1': profile is no list of at least 2 points"),
-        ({"a/1": {**FIELDS, "profile": [[6, 300], [5, 320]]}}, r"profile is .* \[z, v\] with rising z > 0"),
+        ({"a/1": {**FIELDS, "profile": [5, 320, 6, 300]}}, r"profile is no list of"),
+        ({"a/1": {**FIELDS, "ground": [0, 1e300, 0, 0]}}, r"ground holds values of more than 1e\+06"),
+        (
+            {"a/1": {**FIELDS, "profile": [[6, 300], [5, 320]]}},
+            r"profile is .* with rising z >= 0.1",
+        ),
         ({"a/1": {**FIELDS, "profile": 7}}, "frame 'a/1': profile is no list of"),
         ({"a/1": {**FIELDS, "ego_right": "R"}}, "frame 'a/1': ego line 'R' is none of the lines L"),
         ({"a/1": {**FIELDS, "lanes": [LANE, LANE]}}, "frame 'a/1': two lines have the id 'L'"),
