@@ -26,11 +26,13 @@ from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.birdseye.paint_map import BandsPaintMap, PaintMap
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.lanes import evidence, line_fit
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.parameter import Value, parameters, replaced
-from lane_dp_ros.core.road import arc_vote, road_profile, vanishing_point
+from lane_dp_ros.core.road import arc_vote, road_profile, road_samples, vanishing_point
+from lane_dp_ros.core.road.direct_alignment import Alignment
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.types import RoadGate, as_measured
 from lane_dp_ros.tools.evaluation.scores import FrameScore
@@ -63,6 +65,11 @@ def even_texture(view: BirdsEyeView) -> np.ndarray[Any, Any]:
 def of_left_image(builder: BandsPaintMap, view: BirdsEyeView, *_: object) -> PaintMap:
     """Look for paint in the left image alone."""
     return BUILD(builder, view)
+
+
+def as_matched(surface: VerticalCurve, *_: object) -> Alignment:
+    """Take a surface as the disparity tells it."""
+    return Alignment(surface)
 
 
 def as_it_is(line: LaneLine, *_: object) -> LaneLine:
@@ -110,9 +117,9 @@ class Ablation:
 
 ABLATIONS = (
     Ablation("none"),
-    Ablation("disparity at full resolution", {"disparity.downscale": 1}),
-    Ablation("bushes and walls count in the v-disparity, too", patches=replacing(road_profile, STANDING=ANY)),
-    Ablation("road without cross slope", {"road_profile.roll": False}),
+    Ablation("bushes and walls count in the v-disparity, too", patches=replacing(road_samples, STANDING=ANY)),
+    Ablation("the paper's quadratic road, without cross slope", {"road_profile.model": "quadratic"}),
+    Ablation("road surface by the disparity alone", patches=replacing(road_profile, aligned=as_matched)),
     Ablation("road profile of each pair by itself", patches=replacing(RoadFilter, predict=each_by_itself)),
     Ablation(
         "no straightening: road straight ahead",

@@ -27,10 +27,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
-from lane_dp_ros.core.road.disparity import DisparityConfig, dense_disparity
-from lane_dp_ros.core.road.road_profile import RoadProfileConfig, fit_road_surface
 from lane_dp_ros.core.types import Image, StereoFrame
 
 Floats = NDArray[Any]
@@ -87,9 +86,8 @@ def lanes(left: Image, right: Image, camera: StereoCamera) -> list[Floats]:
 
     Empty where nothing is found.
     """
-    frame = StereoFrame(left, right).grey()
-    disparity = dense_disparity(frame, camera, DisparityConfig())
-    road = fit_road_surface(disparity, camera, RoadProfileConfig(), np.random.default_rng(0))
+    frame, detector = StereoFrame(left, right).grey(), LaneDetector(camera)
+    road = detector.measure_road(frame, detector.match(frame))
     point = vanishing_point(frame.left, camera)
     if road is None or point is None:
         return []

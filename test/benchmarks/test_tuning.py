@@ -19,6 +19,7 @@ ALL = parameters(DetectorConfig())
 SPECS = parameters(DetectorConfig(), expert=False)
 # Their other value is the paper's formula; the default pipeline reads them to know that.
 CHOICES = {
+    "road_profile.model",
     "vanishing_point.method",
     "paint_map.feature",
     "path_search.free_ends",
