@@ -186,4 +186,5 @@ def _covariance(seen: _Linearised, fit: _Fit) -> NDArray[np.float64]:
     residual = fit.step.astype(np.float32) @ seen.J + seen.error
     scores = np.stack([np.bincount(seen.block, each, 2 * BLOCKS) for each in fit.weighted * residual])
     inverse = np.linalg.inv(fit.normal)
-    return np.asarray(inverse @ (scores @ scores.T + DAMPING) @ inverse)
+    covariance = inverse @ (scores @ scores.T + DAMPING) @ inverse
+    return np.asarray((covariance + covariance.T) / 2)  # rounding leaves it not quite symmetric
