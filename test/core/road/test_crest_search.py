@@ -52,7 +52,7 @@ def test_a_crest_of_another_curvature_is_found(hill_of, curvature, more):
     assert found.vertical_curvature == pytest.approx(curvature, abs=1.5 * STEP)
     assert found.coefficients[:2] == truth.coefficients[:2]  # the near road stays
     registered = aligned(wrong(truth, more), frame, disparity).surface
-    assert registered.vertical_curvature == pytest.approx(curvature, abs=3e-4)
+    assert registered.vertical_curvature == pytest.approx(curvature, abs=4e-4)
     assert registered.camera_height == pytest.approx(truth.camera_height, rel=0.01)
     assert registered.covariance is not None
 
