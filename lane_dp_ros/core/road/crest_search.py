@@ -39,6 +39,7 @@ def search_crest(surface: VerticalCurve, far: RoadBand, disparity: DisparityMap)
     limit = grey_tolerance(known[np.isfinite(known)])
 
     def cost(tried: VerticalCurve) -> float:
+        """Return the mean cost of the pixels, from 0 to 1."""
         share = np.minimum(_differences(tried, far, pixels) / limit, 1)
         return float(np.mean(np.where(np.isnan(share), NO_ROAD, share)))
 
