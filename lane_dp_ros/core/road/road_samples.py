@@ -35,7 +35,7 @@ class RoadSamples:
     `u`, `v`, `d` (N,) [px]: where, and the disparity; `row` (N,) counts the rows of the grid, at `row_v` (R,)
     [px]; `lies` (N,): not part of what stands upright. `resolution` [px] is what the matcher resolves,
     `tolerance` [px] how far off the road's surface a sample of it may be; `matched`: share of
-    the cells below the horizon that have a disparity.
+    the cells below the horizon that have a disparity, of those that the right image shows.
     """
 
     camera: StereoCamera
@@ -74,6 +74,8 @@ def road_samples(disparity: DisparityMap, camera: StereoCamera, camera_height: f
         near = matched & (np.abs(u - camera.cx) * np.float32(camera.baseline) < np.float32(HALF_WIDTH) * d)
     if np.count_nonzero(near) < MIN_POINTS:
         return None
+    u_right = u - np.float32(camera.disparity_offset)  # of what is far away
+    shown = (u_right >= 0) & (u_right <= disparity.shape[1] - 1)
     rows_per_px = camera_height * camera.fy / (camera.baseline * camera.fx)
     bin_size = STANDING_BIN * resolution
     stands = _stands(np.where(near, d, 0) / bin_size, rows_per_px * bin_size / row_step)
@@ -88,7 +90,7 @@ def road_samples(disparity: DisparityMap, camera: StereoCamera, camera_height: f
         lies=~stands[near],
         resolution=resolution,
         tolerance=TOLERANCE * resolution,
-        matched=float(np.mean(matched)),
+        matched=float(np.mean(matched[:, shown])) if shown.any() else 0.0,
     )
 
 
