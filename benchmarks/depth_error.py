@@ -46,7 +46,7 @@ def curve_of(path: Path) -> DepthCurve:
         raise CommandError(f"{path} cannot be read as JSON: {error}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise CommandError(f"{path} is no evaluation, expected what lane_dp evaluate --json writes")
-    points = content["total"].get("depth", {}).get("curve", [])
+    points = content.get("total", {}).get("depth", {}).get("curve", [])
     if not any(point["frames"] for point in points):
         raise CommandError(f"{path} has no depth errors: no surface was judged there")
     depths, bias, low, high = (_column(points, key) for key in ("depth", "bias", "low", "high"))

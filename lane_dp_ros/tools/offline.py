@@ -126,8 +126,9 @@ def answered(
 ) -> Iterator[Iterator[tuple[BagPair, FrameResult | str]]]:
     """Open an iterator over the pairs with their answers, tracked, from `jobs` processes, in order.
 
-    A str in place of an answer says why the pair cannot be read. With several processes all but one read
-    pairs and match them, the work that needs no pair before; the answers do not depend on `jobs`.
+    A str in place of an answer says why the pair cannot be read. With several processes these decode and
+    match the pairs, the work that needs no pair before, and the rest is done in this one; the answers do not
+    depend on `jobs`.
     """
     pipeline = StereoPipeline(monitored=False)
     if jobs == 1:

@@ -10,7 +10,7 @@ import depth_error
 import pytest
 
 from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, NO_SURFACE, DepthErrors
-from lane_dp_ros.tools.evaluation.json_file import write_json
+from lane_dp_ros.tools.evaluation.json_file import FORMAT, write_json
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 
@@ -51,11 +51,13 @@ def test_what_cannot_be_drawn_is_named_in_one_line(tmp_path, monkeypatch, capsys
     good = written(tmp_path / "good.json", 0.01)
     (tmp_path / "odd.json").write_text(json.dumps({"format": "another"}))
     (tmp_path / "bad.json").write_text("{")
+    (tmp_path / "empty.json").write_text(json.dumps({"format": FORMAT}))
     write_json([FrameScore("a/0", "a", "", None, (), depth=NO_SURFACE)], (), tmp_path / "none.json")
     for arguments, message in {
         (f"a={tmp_path / 'odd.json'}",): "odd.json is no evaluation",
         (f"a={tmp_path / 'bad.json'}",): "bad.json cannot be read as JSON",
         (f"a={tmp_path / 'missing.json'}",): "missing.json cannot be read as JSON",
+        (f"a={tmp_path / 'empty.json'}",): "empty.json has no depth errors",
         (f"a={tmp_path / 'none.json'}",): "none.json has no depth errors",
         (f"a={good}", f"a={good}"): "two evaluations bear the same name",
         tuple(f"{name}={good}" for name in "abcde"): "5 curves in one chart, expected at most 4",

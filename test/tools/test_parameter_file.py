@@ -18,6 +18,7 @@ from lane_dp_ros.messages.node_config import NodeConfig, all_parameters
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.tools.cli import main
 from lane_dp_ros.tools.cli.dump_config import dumped_config
+from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice
 from lane_dp_ros.tools.offline import load_config
 from lane_dp_ros.tools.parameter_file import parameter_file, read_parameter_file
 
@@ -158,6 +159,15 @@ def test_a_parameter_that_is_no_more_is_left_out_with_a_warning(
     assert node == replaced(NodeConfig(), {"sync_tolerance": 0.02})
     assert detector == DetectorConfig()
     assert capsys.readouterr().err == f"lane_dp: {path}: {name} is no more, left out: {reason}\n"
+
+
+def test_an_evaluation_reads_its_file_once(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    """Whoever detects and whoever draws the report has the same parameters; what is wrong is said once."""
+    path = tmp_path / "old.yaml"
+    path.write_text("/**: {ros__parameters: {road_profile: {roll: true}}}")
+    choice = DetectorChoice(config=path)
+    assert choice.configs is choice.configs
+    assert len(capsys.readouterr().err.splitlines()) == 1
 
 
 def test_a_parameter_that_is_no_more_is_not_printed() -> None:

@@ -119,5 +119,5 @@ def _write_report(arguments: argparse.Namespace, evaluation: Evaluation, choice:
 
     if arguments.surface is not None:
         return write_surface_report(evaluation.results, arguments.surface, arguments.report)
-    config = choice.load()[1] if choice.given else None
+    config = choice.configs[1] if choice.given else None
     return write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)

@@ -27,12 +27,15 @@ class DepthErrors:
     """How much too deep the surface of a frame was measured, z_measured / z - 1, at each of CURVE_DEPTHS.
 
     NaN where the truth knows of no road in the image; `NO_ROAD` at and above the horizon of the measured
-    surface.
-    `measured` is False for a frame in which no surface was found.
+    surface. `measured` is False for a frame in which no surface was found.
     """
 
     errors: tuple[float, ...]
     measured: bool = True
+
+    def at(self, depth: float) -> float:
+        """Return the error at a depth [m], one of CURVE_DEPTHS."""
+        return self.errors[CURVE_DEPTHS.tolist().index(depth)]
 
 
 NO_SURFACE = DepthErrors((float("nan"),) * len(CURVE_DEPTHS), measured=False)
@@ -75,7 +78,7 @@ class DepthSummary:
     are in neither. Numbers are NaN where there is nothing to count.
     """
 
-    rows: tuple[tuple[float, ...], ...] = ()
+    rows: tuple[DepthErrors, ...] = ()
     no_surface: int = 0
 
     @classmethod
@@ -83,7 +86,7 @@ class DepthSummary:
         """Return the summary of one frame, None: not known."""
         if errors is None:
             return cls()
-        return cls((errors.errors,)) if errors.measured else cls(no_surface=1)
+        return cls((errors,)) if errors.measured else cls(no_surface=1)
 
     def __add__(self, other: DepthSummary) -> DepthSummary:
         return DepthSummary(self.rows + other.rows, self.no_surface + other.no_surface)
@@ -114,8 +117,7 @@ class DepthSummary:
         return DepthCurve(CURVE_DEPTHS, bias, low, high, np.array([len(column) for column in columns]))
 
     def _at(self, depth: float) -> list[float]:
-        i = CURVE_DEPTHS.tolist().index(depth)
-        return [row[i] for row in self.rows if np.isfinite(row[i])]
+        return [error for row in self.rows if np.isfinite(error := row.at(depth))]
 
 
 def _percentile(values: Sequence[float], q: float) -> float:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 from lane_dp_ros.core.config import DetectorConfig
@@ -55,19 +55,20 @@ class DetectorChoice:
         """Whether the user asked for certain parameters."""
         return self.preset is not None or self.config is not None
 
-    def load(self) -> tuple[NodeConfig, DetectorConfig]:
-        """Return the parameters. Raises CommandError naming what is wrong in the file."""
+    @cached_property
+    def configs(self) -> tuple[NodeConfig, DetectorConfig]:
+        """The parameters, read once. Raises CommandError naming what is wrong in the file."""
         return load_config(self.preset or "default", self.config)
 
     def answer_bag(self, reader: BagReader) -> BagAnswers:
         """Detect in the stereo pairs of a bag."""
-        return detected_answers(reader, self.load(), self.jobs)
+        return detected_answers(reader, self.configs, self.jobs)
 
     def answer_files(
         self, root: Path, frames: Sequence[LabelledFrame]
     ) -> Iterator[tuple[LabelledFrame, FrameAnswer]]:
         """Detect in the image files that the frames name, below `root`."""
-        return file_answers(root, frames, partial(detect_pair, self.load()[1]), self.jobs)
+        return file_answers(root, frames, partial(detect_pair, self.configs[1]), self.jobs)
 
 
 def evaluate_path(path: Path, truth: Path | None, choice: DetectorChoice) -> Evaluation:

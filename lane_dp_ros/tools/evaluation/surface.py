@@ -32,18 +32,18 @@ def evaluate_surface(folder: Path, choice: DetectorChoice) -> Evaluation:
     """
     frames, without = read_lidar_frames(folder)
     sequence = folder.resolve().name
-    judge = partial(judge_surface, choice.load()[1], sequence)
+    judge = partial(judge_surface, choice.configs[1], sequence)
     with parallel_map(judge, frames, min(choice.jobs, len(frames))) as found:
         scores = [score for _, score in progress(found, len(frames), "pair")]
     results = tuple(score for score in scores if score is not None)
     if not results:
         raise CommandError(f"{folder}: the LiDAR disparity of none of its {len(frames)} frames shows a road")
-    notes = {
-        f"{without} pairs without LiDAR disparity, left out": without,
-        f"{len(frames) - len(results)} frames whose LiDAR shows no road, left out": len(frames)
-        - len(results),
+    left_out = {
+        "pairs without LiDAR disparity": without,
+        "frames whose LiDAR shows no road": len(frames) - len(results),
     }
-    return Evaluation(results, notes=tuple(note for note, count in notes.items() if count))
+    notes = tuple(f"{count} {what}, left out" for what, count in left_out.items() if count)
+    return Evaluation(results, notes=notes)
 
 
 def judge_surface(config: DetectorConfig, sequence: str, frame: LidarFrame) -> FrameScore | None:

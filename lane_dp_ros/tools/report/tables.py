@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, DEPTHS, DepthErrors
+from lane_dp_ros.tools.evaluation.depth import DEPTHS
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
 from lane_dp_ros.tools.evaluation.text import (
@@ -105,7 +105,7 @@ def depth_table(results: Sequence[FrameScore]) -> str:
 
 def frames_by_depth_error(results: Sequence[FrameScore]) -> str:
     """Return the depth's errors of each frame, those without a surface first, then the largest error."""
-    errors = {r.name: [_error_at(r.depth, z) for z in DEPTHS] for r in results if r.depth is not None}
+    errors = {r.name: [r.depth.at(z) for z in DEPTHS] for r in results if r.depth is not None}
     largest = {name: max((abs(e) for e in row if math.isfinite(e)), default=math.inf)
                for name, row in errors.items()}  # fmt: skip
     rows = {
@@ -113,10 +113,6 @@ def frames_by_depth_error(results: Sequence[FrameScore]) -> str:
         for name in sorted(errors, key=lambda name: (-largest[name], name))
     }
     return _table("frame", [f"depth %\n{z:g} m" for z in DEPTHS], rows)
-
-
-def _error_at(errors: DepthErrors, depth: float) -> float:
-    return errors.errors[CURVE_DEPTHS.tolist().index(depth)]
 
 
 def number(value: float) -> str:
