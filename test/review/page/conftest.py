@@ -89,6 +89,14 @@ class Page:
     def until_said(self, text: str) -> None:
         self.wait(lambda: text in self.text("status"))
 
+    def until_pictures_fetched(self, count: int) -> None:
+        """Wait until so many pictures have come: those of the frames around are fetched ahead."""
+        script = (
+            "return performance.getEntriesByType('resource')"
+            ".filter((each) => each.name.includes('/pictures/') && each.responseStatus === 200).length"
+        )
+        self.wait(lambda: self.browser.execute_script(script) >= count)
+
     def until_frame(self, number: int) -> None:
         self.wait(lambda: self.frame == number)
 

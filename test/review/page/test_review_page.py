@@ -106,6 +106,7 @@ def test_after_a_restart_all_is_as_it_was(open_page, start_review, drive_bag, ho
 def test_a_server_that_ended_is_told(open_page, start_review, drive_bag, browser) -> None:
     review = start_review(drive_bag)
     page = open_page(review.url)
+    page.until_pictures_fetched(3)  # the first frame and the next two
     review.end()
     page.type("1")
     page.until_said("the server does not answer: was lane_dp review ended?")
