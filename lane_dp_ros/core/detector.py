@@ -33,6 +33,8 @@ class LaneDetection:
     """The lanes of one frame and all that led to them; what was not reached is None or empty."""
 
     lanes: tuple[Lane, ...] = ()
+    road_edges: tuple[Lane, ...] = ()
+    """Unpainted borders of the carriageway: kerbs, verges, gutters."""
     disparity: DisparityMap = field(default_factory=lambda: DisparityMap.unknown((0, 0)))
     road: RoadSurface | None = None
     """The road's surface as measured in this frame."""
@@ -105,7 +107,7 @@ class LaneDetector:
             measured = self.measure_road(frame, disparity, prior.surface)
             road = prior.road(measured)
         detection = LaneDetection(
-            (), disparity, measured, road, seconds=watch.seconds, note=self._note(frame, road)
+            (), (), disparity, measured, road, seconds=watch.seconds, note=self._note(frame, road)
         )
         if road.surface is None:
             return detection

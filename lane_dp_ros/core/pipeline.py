@@ -46,6 +46,7 @@ class FrameResult:
     camera: StereoCamera | None = None
     detection: LaneDetection | None = None
     lanes: tuple[Lane, ...] = ()
+    road_edges: tuple[Lane, ...] = ()
     problem: str = ""
     road_profile: str = ""
     check: CalibrationStatus = UNCHECKED
@@ -111,7 +112,17 @@ class LanePipeline:
         if self.monitored:
             with watch("calibration_monitor"):
                 check = self._checked(frame, camera, detection, lanes, config)
-        return FrameResult(frame, camera, detection, lanes, problem, road.source, check, watch.seconds)
+        return FrameResult(
+            frame,
+            camera,
+            detection,
+            lanes,
+            detection.road_edges,
+            problem,
+            road.source,
+            check,
+            watch.seconds,
+        )
 
     def _predict(self, nominal: RoadSurface, stamp_ns: int, config: DetectorConfig) -> Prior:
         """Return what the frames before say of the one of `stamp_ns`."""

@@ -17,6 +17,8 @@ from lane_dp_ros.core.geometry.road_surface import RoadSurface
 
 Image = NDArray[np.uint8]
 LaneRole = Literal["ego_left", "ego_right", "other"]
+LaneKind = Literal["solid", "dashed", "double", "edge", ""]
+PaintColour = Literal["white", "yellow", ""]
 RoadSource = Literal["measured", "last", "nominal", "none"]
 
 
@@ -97,6 +99,9 @@ class Lane:
     `confidence` is in (0, 1]; `paint_width` [m]; `curvature` [1/m] is positive where the line bends to the
     right; `lateral_offset` [m] is the line's distance right of the camera at the vehicle (negative: left).
     `id` is the line's identity over time, -1 before tracking.
+    `kind` is that of the paint, or "edge" for a border of the carriageway that is not painted; "double" is one
+    of two lines side by side, whose own kinds, left and right, are its `sides`. `colour` is that of the paint.
+    Either is empty where it is not known, as the colour in a grey picture is.
     """
 
     points: NDArray[np.float64]
@@ -106,6 +111,9 @@ class Lane:
     curvature: float
     lateral_offset: float
     id: int = -1
+    kind: LaneKind = ""
+    colour: PaintColour = ""
+    sides: tuple[LaneKind, LaneKind] | None = None
 
     @property
     def extent(self) -> tuple[float, float]:
