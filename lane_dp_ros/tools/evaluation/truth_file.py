@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.tools.evaluation.annotations import KINDS, Kind, Label, LabelledFrame, by_depth
+from lane_dp_ros.tools.evaluation.annotations import COLOURS, KINDS, Kind, Label, LabelledFrame, by_depth
 
 __all__ = ["KINDS", "Kind", "Label", "LabelledFrame", "by_depth", "load_truth", "save_truth"]
 
@@ -24,6 +24,7 @@ CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
 TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
 LARGEST = 1e6  # of any number in a truth
 NEAREST = 0.1  # m; no road is nearer to a camera
+WIDEST = 2.0  # m of paint across; no line is wider
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
 
 
@@ -89,7 +90,11 @@ def _lane_text(label: Label) -> str:
     }
     if label.xyz is not None:
         points["xyz"] = np.round(label.xyz, METRE_DIGITS).tolist()
-    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **points})
+    paint: dict[str, Any] = {"colour": label.colour, "double": bool(label.double)}
+    if label.width is not None:
+        paint["width"] = round(float(label.width), METRE_DIGITS)
+    known = {name: value for name, value in paint.items() if value}
+    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **known, **points})
 
 
 def _without_repeats(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -141,7 +146,19 @@ def _label(fields: dict[str, Any]) -> Label:
     if xyz is not None and len(xyz) < 2:
         raise ValueError(f"{where}: xyz has {len(xyz)} points, expected at least 2")
     exact = None if xyz is None else by_depth(xyz)
-    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz), exact)
+    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz), exact, **_paint(fields, where))
+
+
+def _paint(fields: dict[str, Any], where: str) -> dict[str, Any]:
+    """Return what is told of a line's paint: its colour, whether it is double, its width [m]."""
+    colour, width = fields.get("colour", ""), fields.get("width")
+    if colour not in COLOURS:
+        known = ", ".join(filter(None, COLOURS))
+        raise ValueError(f"{where} is of colour {colour!r}, expected one of {known}, or none")
+    if width is not None and not (isinstance(width, int | float) and 0 < width <= WIDEST):
+        raise ValueError(f"{where} has the width {width!r}, expected metres above 0, at most {WIDEST:g}")
+    double = bool(fields.get("double", False))
+    return {"colour": colour, "double": double, "width": None if width is None else float(width)}
 
 
 def _profile(fields: dict[str, Any]) -> Floats | None:
