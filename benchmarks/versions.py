@@ -25,7 +25,8 @@ import numpy as np
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.evaluation.answers import FrameAnswer, lanes_topic, recorded_answers
+from lane_dp_ros.tools.evaluation.answers import FrameAnswer
+from lane_dp_ros.tools.evaluation.recorded_lanes import lanes_topic, recorded_answers
 
 HERE = Path(__file__).resolve().parents[1]
 # Says so where another copy of the package, an installed one, comes first.

@@ -172,7 +172,7 @@ def test_a_mirror_and_an_exposure_change_no_verdict(pairs):
     for each in varied_pairs.varied(pairs):
         verdict = each.judged(each.detected(DetectorConfig()).lanes)
         assert verdict.name == each.name != pairs[0].name
-        assert len(verdict.found) == len(verdict.labels) == 3 and not verdict.false_lanes
+        assert len(verdict.found) == len(verdict.labels) == 3 and not verdict.false_lines
         assert not verdict.missed and not verdict.incorrect
         assert max(match.error for match in verdict.found) < 0.05
     assert len({each.name for each in varied_pairs.varied(pairs)}) == 6
@@ -203,7 +203,7 @@ def test_other_cameras_change_no_verdict(pairs, name):
     rig = other_rigs.RIGS[name](pairs[0])
     verdict = rig.judged(rig.detected(DetectorConfig()).lanes)
     assert len(verdict.found) == len(verdict.labels) == 3
-    assert not verdict.missed and not verdict.incorrect and not verdict.false_lanes
+    assert not verdict.missed and not verdict.incorrect and not verdict.false_lines
     assert max(match.error for match in verdict.found) < 0.05
 
 

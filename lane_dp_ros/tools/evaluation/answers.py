@@ -6,9 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -21,19 +20,16 @@ from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_bag import IMAGES, find_stereo_topics, read_stereo_pairs, sync_of_bag
+from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
+from lane_dp_ros.tools.evaluation.image_arrivals import image_arrivals
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.offline import answered
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.progress import progress
 
 Image8 = NDArray[np.uint8]
-
-MARKERS = "visualization_msgs/msg/MarkerArray"
 
 
 @dataclass(frozen=True)
@@ -42,6 +38,7 @@ class FrameAnswer:
 
     `latency` [s] is None where it is not known. `surface` is the road's as measured in this frame, None where
     none was found; it means nothing where `surface_sought` is False, as of lanes that were recorded.
+    `road_edges` are in the same frame as the lanes, None where nothing tells of any.
     """
 
     lanes: tuple[Lane, ...]
@@ -49,6 +46,7 @@ class FrameAnswer:
     latency: float | None = None
     surface: RoadSurface | None = None
     surface_sought: bool = False
+    road_edges: tuple[Lane, ...] | None = None
 
 
 Detect = Callable[[Image8, Image8, StereoCamera], FrameAnswer]
@@ -62,42 +60,14 @@ class BagAnswers:
     stamps: frozenset[int]
     notes: tuple[str, ...] = ()
 
+    def at(self, stamp_ns: int) -> FrameAnswer:
+        """Return the answer of a stamp [ns]; nothing found, of what others tell of, where there is none."""
+        return self.answers.get(stamp_ns, self._nothing)
 
-def lanes_topic(reader: BagReader) -> str | None:
-    """Return the topic of recorded lanes, in whatever namespace, None without.
-
-    Raises CommandError when there are several.
-    """
-    topics = [t for t, kind in reader.topics.items() if kind == MARKERS and t.rpartition("/")[2] == "lanes"]
-    found = sorted(topic for topic in topics if reader.message_count([topic]))
-    if len(found) > 1:
-        raise CommandError(f"{reader.path} has several topics of lanes: {', '.join(found)}, expected one")
-    return found[0] if found else None
-
-
-def recorded_answers(reader: BagReader, topic: str) -> BagAnswers:
-    """Return the lanes that a bag carries; of two answers to one stamp (a bag played twice) the first.
-
-    The latency of an answer is the time from the recording of its image pair to its own: one recorder, one
-    clock. It is not known for a bag without the images, or one that was written offline.
-    Raises CommandError for lanes with points that are not finite numbers.
-    """
-    namespace = topic.rpartition("/")[0]
-    camera, arrivals = _camera(reader, namespace), _arrivals(reader, namespace)
-    answers: dict[int, FrameAnswer] = {}
-    repeated = 0
-    for _, time_ns, message in reader.messages([topic]):
-        if not message.markers:
-            raise CommandError(f"{reader.path}: a message on {topic} has no marker, so no stamp")
-        stamp_ns = _stamp_ns(message.markers[0])
-        if stamp_ns in answers:
-            repeated += 1
-            continue
-        lanes = _lanes(reader, topic, message)
-        waited = time_ns - arrivals.get(stamp_ns, time_ns)
-        answers[stamp_ns] = FrameAnswer(lanes, camera, waited / 1e9 if waited > 0 else None)
-    notes = (f"{repeated} more answers to stamps that had one: the first is judged",) if repeated else ()
-    return BagAnswers(answers, frozenset(answers) | frozenset(arrivals), notes)
+    @cached_property
+    def _nothing(self) -> FrameAnswer:
+        tells_of_edges = any(answer.road_edges is not None for answer in self.answers.values())
+        return FrameAnswer((), road_edges=() if tells_of_edges else None)
 
 
 def detected_answers(reader: BagReader, config: tuple[NodeConfig, DetectorConfig], jobs: int) -> BagAnswers:
@@ -118,7 +88,9 @@ def detected_answers(reader: BagReader, config: tuple[NodeConfig, DetectorConfig
         tolerance = f"no left and right stamps within {node.sync_tolerance:g} s"
         raise CommandError(f"{reader.path} has no stereo pair that can be used: {tolerance}")
     notes = tuple(f"{problems.count(text)} x {text}" for text in sorted(set(problems)))
-    return BagAnswers(answers, frozenset(answers) | frozenset(_arrivals(reader, topics.namespace)), notes)
+    return BagAnswers(
+        answers, frozenset(answers) | frozenset(image_arrivals(reader, topics.namespace)), notes
+    )
 
 
 def file_answers(
@@ -164,46 +136,13 @@ def _detect_files(root: Path, detect: Detect, frame: LabelledFrame) -> FrameAnsw
 
 def _frame_answer(answer: FrameResult | str) -> FrameAnswer:
     if isinstance(answer, str) or answer.detection is None:
-        return FrameAnswer(())
-    return replace(_detected(answer.detection, answer.camera), lanes=answer.lanes)
+        return FrameAnswer((), road_edges=())
+    found = _detected(answer.detection, answer.camera)
+    return replace(found, lanes=answer.lanes, road_edges=answer.road_edges)
 
 
 def _detected(detection: LaneDetection, camera: StereoCamera | None) -> FrameAnswer:
     """Return what a detection says of the lanes and the road; its latency is the computing time."""
     seconds = sum(detection.seconds.values())
-    return FrameAnswer(detection.lanes, camera, seconds, detection.road, surface_sought=True)
-
-
-def _lanes(reader: BagReader, topic: str, message: Any) -> tuple[Lane, ...]:
-    for marker in message.markers:
-        points = np.array([[p.x, p.y, p.z] for p in marker.points], dtype=np.float64)
-        if not np.all(np.isfinite([*points.ravel(), marker.color.a])):
-            where = f"{topic}, stamp {_stamp_ns(marker)} ns, marker {marker.ns} {marker.id}"
-            raise CommandError(f"{reader.path}: {where} holds values that are not finite numbers (NaN?)")
-    return lanes_from_ros(message)
-
-
-def _camera(reader: BagReader, namespace: str) -> StereoCamera | None:
-    """Return the camera of the bag's camera infos, None without them."""
-    infos = [_first(reader, f"{namespace}/{side}/camera_info") for side in ("left", "right")]
-    return None if None in infos else camera_from_ros(*infos)
-
-
-def _first(reader: BagReader, topic: str) -> Any | None:
-    return next((message for _, _, message in reader.messages([topic])), None)
-
-
-def _arrivals(reader: BagReader, namespace: str) -> dict[int, int]:
-    """Return, for each stamp [ns] of a left image, when the later one of its pair was recorded [ns]."""
-    topics = {side: [f"{namespace}/{side}/{name}" for name in IMAGES] for side in ("left", "right")}
-    arrivals = {_stamp_ns(message): time_ns for _, time_ns, message in reader.messages(topics["left"])}
-    for _, time_ns, message in reader.messages(topics["right"]):
-        stamp_ns = _stamp_ns(message)
-        if stamp_ns in arrivals:
-            arrivals[stamp_ns] = max(arrivals[stamp_ns], time_ns)
-    return arrivals
-
-
-def _stamp_ns(message: Any) -> int:
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+    lanes, edges = detection.lanes, detection.road_edges
+    return FrameAnswer(lanes, camera, seconds, detection.road, surface_sought=True, road_edges=edges)

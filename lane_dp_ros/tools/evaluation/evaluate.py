@@ -20,17 +20,15 @@ from lane_dp_ros.tools.evaluation.answers import (
     detect_pair,
     detected_answers,
     file_answers,
-    lanes_topic,
-    recorded_answers,
 )
 from lane_dp_ros.tools.evaluation.depth import depth_errors
 from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
+from lane_dp_ros.tools.evaluation.recorded_lanes import lanes_topic, recorded_answers
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame, load_truth
 from lane_dp_ros.tools.offline import load_config
 
 SCENES_BAG, SCENES_TRUTH = "scenes.mcap", "truth.json"  # what `lane_dp scenes` writes into its folder
-NOTHING_FOUND = FrameAnswer(())
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ def evaluate_unpainted(path: Path, choice: DetectorChoice) -> Evaluation:
     results = tuple(
         judge_unpainted(f"{path.stem}/{stamp_ns}", answer.lanes, path.stem, stamp_ns, answer.latency)
         for stamp_ns in sorted(bag.stamps)
-        for answer in [bag.answers.get(stamp_ns, NOTHING_FOUND)]
+        for answer in [bag.at(stamp_ns)]
     )
     return Evaluation(results, notes=bag.notes)
 
@@ -137,7 +135,7 @@ def _judged_bag(path: Path, truth: Path, frames: Sequence[LabelledFrame], bag: B
         raise CommandError(f"truth and bag have no stamp in common: {spans}")
     first, last = min(bag.stamps), max(bag.stamps)
     judged = tuple(by_stamp[stamp] for stamp in sorted(by_stamp) if first <= stamp <= last)
-    results = tuple(_judged(frame, bag.answers.get(frame.stamp_ns or 0, NOTHING_FOUND)) for frame in judged)
+    results = tuple(_judged(frame, bag.at(frame.stamp_ns or 0)) for frame in judged)
     unanswered = sum(frame.stamp_ns not in bag.answers for frame in judged)
     notes = {
         f"{len(frames) - len(judged)} frames of the truth lie outside the bag's time, left out": len(frames)
@@ -148,7 +146,8 @@ def _judged_bag(path: Path, truth: Path, frames: Sequence[LabelledFrame], bag: B
 
 
 def _judged(frame: LabelledFrame, answer: FrameAnswer) -> FrameScore:
-    score = judge(frame, answer.lanes, answer.camera or frame.camera, answer.latency)
+    camera = answer.camera or frame.camera
+    score = judge(frame, answer.lanes, camera, answer.latency, answer.road_edges)
     return replace(score, depth=depth_errors(frame, answer.surface)) if answer.surface_sought else score
 
 

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.scores import FrameScore, LineScores, RoadEdgeScore
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -50,7 +50,12 @@ class Reliability:
         return np.rint(np.where(self.counts > 0, self.share, 0) * self.counts).astype(np.int64)
 
 
-def confidences(results: Sequence[FrameScore]) -> tuple[Floats, NDArray[np.bool_]]:
+def road_edge_scores(results: Iterable[FrameScore]) -> list[RoadEdgeScore]:
+    """Return how the road edges of each frame were judged, where they were."""
+    return [result.road_edges for result in results if result.road_edges is not None]
+
+
+def confidences(results: Iterable[LineScores]) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the confidence of each published line (N,), and whether it is right (no false, no duplicate)."""
     pairs = [pair for result in results for pair in result.confidences]
     return np.array([c for c, _ in pairs], dtype=np.float64), np.array([r for _, r in pairs], dtype=bool)

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.depth import DepthErrors
 from lane_dp_ros.tools.evaluation.lateral import NOT_COMPARED, LateralErrors
+from lane_dp_ros.tools.evaluation.paint_kinds import PaintComparison
 from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
 
 Floats = NDArray[np.float64]
-Verdict = Literal["match", "false", "duplicate", "ignored"]
+Verdict = Literal["match", "false", "duplicate", "ignored", "beyond"]
 
 
 @dataclass(frozen=True)
@@ -24,19 +25,32 @@ class JudgedLine:
     """A detected line and its verdict.
 
     "match" of a label; "false"; "duplicate", beside a label that a better one matches; "ignored", beside any
-    other label (unsure, unpainted, or not matched by anything).
+    other label (unsure, unpainted, or not matched by anything); "beyond" what is labelled, more than 9 m
+    aside: not judged.
 
-    `label` is the id of the label that it matches, None for all but matches.
+    `label` is the id of the label that it matches, None for all but matches. `beside_edge`: it matches no
+    painted label, and runs along one of kind "edge".
     """
 
     lane: Lane
     verdict: Verdict
     label: str | None = None
+    beside_edge: bool = False
 
     @property
     def wrong(self) -> bool:
         """Whether it counts against the detection precision."""
         return self.verdict in ("false", "duplicate")
+
+    @property
+    def strict_verdict(self) -> Verdict:
+        """The verdict, were no lane line allowed to run along the unpainted edge of a road."""
+        return "false" if self.beside_edge and self.verdict != "beyond" else self.verdict
+
+    @property
+    def strictly_wrong(self) -> bool:
+        """Whether it counts against the strict detection precision."""
+        return self.strict_verdict in ("false", "duplicate")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +60,8 @@ class Match:
     `depths` (N,) [m] are the label's samples that the detection covers, `errors` (N,) [m] the lateral
     distances there, always >= 0. `position` and `label_position` [m] are where the detection and the label
     run at 10 m of depth, None where either of them does not reach. `counts`: the label had to be found.
-    `in_space` are the lateral distances in the world, without going through the image.
+    `in_space` are the lateral distances in the world, without going through the image. `paint` is what label
+    and detection tell of kind and colour.
     """
 
     label: str
@@ -57,6 +72,7 @@ class Match:
     position: float | None = None
     label_position: float | None = None
     in_space: LateralErrors = NOT_COMPARED
+    paint: PaintComparison | None = None
 
     @property
     def error(self) -> float:
@@ -74,33 +90,23 @@ class Match:
         return LateralErrors(self.depths, self.errors).far
 
 
-@dataclass(frozen=True, eq=False)
-class FrameScore:
-    """How one frame was judged.
+class LineScores:
+    """What is counted alike of lane lines and of road edges.
 
-    `labels`: ids of the lines that had to be found; `ego_labels`: those of them beside the vehicle, of which
-    `incorrect` and `missed` were not. `matches` are all, also those of labels that need not be found.
-    `latency` [s] is None where it is not known; `tusimple` and `culane` are None for a frame without truth;
-    `depth` is None where it is not known what surface was measured, or what the true one is.
+    `labels` are the ids of those that had to be found, `matches` all, also those of other labels.
     """
 
-    name: str
-    sequence: str
-    category: str
-    stamp_ns: int | None
     detections: tuple[JudgedLine, ...]
-    matches: tuple[Match, ...] = ()
-    labels: tuple[str, ...] = ()
-    ego_labels: tuple[str, ...] = ()
-    incorrect: tuple[str, ...] = ()
-    missed: tuple[str, ...] = ()
-    latency: float | None = None
-    tusimple: TuSimple | None = None
-    culane: CULane | None = None
-    depth: DepthErrors | None = None
+    matches: tuple[Match, ...]
+    labels: tuple[str, ...]
 
     @property
-    def false_lanes(self) -> int:
+    def judged(self) -> tuple[JudgedLine, ...]:
+        """The detections, without those beyond what is labelled."""
+        return tuple(d for d in self.detections if d.verdict != "beyond")
+
+    @property
+    def false_lines(self) -> int:
         """Number of detections that lie on nothing."""
         return sum(d.verdict == "false" for d in self.detections)
 
@@ -116,5 +122,48 @@ class FrameScore:
 
     @property
     def confidences(self) -> tuple[tuple[float, bool], ...]:
-        """For each detection, its confidence and whether it was right (neither false nor a duplicate)."""
-        return tuple((d.lane.confidence, not d.wrong) for d in self.detections)
+        """For each judged line, its confidence and whether it was right (neither false nor a duplicate)."""
+        return tuple((d.lane.confidence, not d.wrong) for d in self.judged)
+
+
+@dataclass(frozen=True, eq=False)
+class RoadEdgeScore(LineScores):
+    """How the road edges of one frame were judged, by the labels of kind "edge"."""
+
+    detections: tuple[JudgedLine, ...]
+    matches: tuple[Match, ...] = ()
+    labels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class FrameScore(LineScores):
+    """How one frame was judged.
+
+    `labels`: ids of the lines that had to be found; `ego_labels`: those of them beside the vehicle, of which
+    `incorrect` and `missed` were not. `matches` are all, also those of labels that need not be found.
+    `unpainted`: there is no painted label. `road_edges` is None where the detector tells of none.
+    `latency` [s] is None where it is not known; `tusimple` and `culane` are None for a frame without truth;
+    `depth` is None where it is not known what surface was measured, or what the true one is.
+    """
+
+    name: str
+    sequence: str
+    category: str
+    stamp_ns: int | None
+    detections: tuple[JudgedLine, ...]
+    matches: tuple[Match, ...] = ()
+    labels: tuple[str, ...] = ()
+    ego_labels: tuple[str, ...] = ()
+    incorrect: tuple[str, ...] = ()
+    missed: tuple[str, ...] = ()
+    unpainted: bool = False
+    road_edges: RoadEdgeScore | None = None
+    latency: float | None = None
+    tusimple: TuSimple | None = None
+    culane: CULane | None = None
+    depth: DepthErrors | None = None
+
+    @property
+    def false_lanes_strict(self) -> int:
+        """Number of detections that lie on nothing, or along the unpainted edge of a road."""
+        return sum(d.strict_verdict == "false" for d in self.detections)

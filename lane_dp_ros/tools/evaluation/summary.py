@@ -11,6 +11,8 @@ import numpy as np
 
 from lane_dp_ros.tools.evaluation.depth import DepthSummary
 from lane_dp_ros.tools.evaluation.lateral import LateralSummary
+from lane_dp_ros.tools.evaluation.paint_kinds import PaintSummary
+from lane_dp_ros.tools.evaluation.road_edges import RoadEdgeSummary
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.stability import JITTER_FRAMES, id_switches, jitters
 from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
@@ -20,8 +22,9 @@ from lane_dp_ros.tools.evaluation.tusimple_culane import CULane, TuSimple
 class Summary:
     """Counts and sums over any number of frames; summaries add up.
 
-    `id_chances` is how often an id could have switched. Ratios and means are nan where there is nothing to
-    count.
+    `false_lanes_strict` counts lines along unpainted edges, too, and `wrong_strict` duplicates besides. What
+    begins with `unpainted` is of the frames without a painted label alone. `id_chances` is how often an id
+    could have switched. Ratios and means are nan where there is nothing to count.
     """
 
     frames: int = 0
@@ -33,6 +36,11 @@ class Summary:
     detections: int = 0
     false_lanes: int = 0
     duplicates: int = 0
+    false_lanes_strict: int = 0
+    wrong_strict: int = 0
+    unpainted_frames: int = 0
+    unpainted_false_lanes: int = 0
+    unpainted_false_lanes_strict: int = 0
     error_sum: float = 0.0
     near_sum: float = 0.0
     near_matches: int = 0
@@ -48,6 +56,8 @@ class Summary:
     culane: CULane = field(default_factory=CULane)
     depth: DepthSummary = field(default_factory=DepthSummary)
     in_space: LateralSummary = field(default_factory=LateralSummary)
+    road_edges: RoadEdgeSummary = field(default_factory=RoadEdgeSummary)
+    paint: PaintSummary = field(default_factory=PaintSummary)
 
     def __add__(self, other: Summary) -> Summary:
         names = [each.name for each in fields(self)]
@@ -69,9 +79,19 @@ class Summary:
         return _ratio(self.detections - self.false_lanes - self.duplicates, self.detections)
 
     @property
+    def strict_detection_precision(self) -> float:
+        """The same, were no lane line allowed to run along the unpainted edge of a road."""
+        return _ratio(self.detections - self.wrong_strict, self.detections)
+
+    @property
     def false_lanes_per_frame(self) -> float:
         """False lanes per frame."""
         return _ratio(self.false_lanes, self.frames)
+
+    @property
+    def strict_false_lanes_per_frame(self) -> float:
+        """False lanes per frame, with lines along the unpainted edge of a road among them."""
+        return _ratio(self.false_lanes_strict, self.frames)
 
     @property
     def localisation_error(self) -> float:
@@ -138,6 +158,8 @@ def _grouped(results: Sequence[FrameScore], key: Callable[[FrameScore], str]) ->
 
 def _of_frame(result: FrameScore) -> Summary:
     found = result.found
+    false, false_strict = result.false_lines, result.false_lanes_strict
+    bare = result.unpainted
     near = [match.near for match in found if match.near is not None]
     far = [match.far for match in found if match.far is not None]
     return Summary(
@@ -147,9 +169,14 @@ def _of_frame(result: FrameScore) -> Summary:
         missed=len(result.missed),
         labels=len(result.labels),
         matched=len(found),
-        detections=len(result.detections),
-        false_lanes=result.false_lanes,
+        detections=len(result.judged),
+        false_lanes=false,
         duplicates=result.duplicates,
+        false_lanes_strict=false_strict,
+        wrong_strict=sum(d.strictly_wrong for d in result.detections),
+        unpainted_frames=int(bare),
+        unpainted_false_lanes=false if bare else 0,
+        unpainted_false_lanes_strict=false_strict if bare else 0,
         error_sum=sum(match.error for match in found),
         near_sum=sum(near),
         near_matches=len(near),
@@ -160,6 +187,8 @@ def _of_frame(result: FrameScore) -> Summary:
         culane=result.culane or CULane(),
         depth=DepthSummary.of(result.depth),
         in_space=sum((LateralSummary.of(match.in_space) for match in found), LateralSummary()),
+        road_edges=RoadEdgeSummary.of(result.road_edges),
+        paint=PaintSummary.of(match.paint for match in found if match.paint is not None),
     )
 
 

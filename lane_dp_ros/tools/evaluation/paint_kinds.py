@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Are kind and colour of the paint told right? A table of what is there against what was told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation.annotations import COLOURS, Label
+
+PAINTED_KINDS = ("solid", "dashed", "double")
+PAINT_COLOURS = tuple(filter(None, COLOURS))
+UNKNOWN = "not told"
+
+Confusion = Counter[tuple[str, str]]  # (what is there, what was told, "" for nothing): number of lines
+
+
+class PaintComparison(NamedTuple):
+    """Kind and colour of a label, and what its detection tells of them; empty where it is not known."""
+
+    true_kind: str
+    kind: str
+    true_colour: str
+    colour: str
+
+
+def compare_paint(label: Label, lane: Lane) -> PaintComparison:
+    """Return what a label and the lane that matches it tell of the paint.
+
+    A label that tells neither colour nor width was made by hand, and hand-made labels know no double lines:
+    they are of one of the two. There a double line counts as the label's kind where one of its sides is that.
+    """
+    by_hand = not label.colour and label.width is None
+    kind: str = lane.kind
+    if by_hand and lane.kind == "double" and lane.sides is not None and label.kind in lane.sides:
+        kind = label.kind
+    true_kind = "double" if label.double else label.kind
+    return PaintComparison(true_kind, kind, label.colour, lane.colour)
+
+
+@dataclass(frozen=True)
+class PaintSummary:
+    """How often each kind and colour was told of each that is there; summaries add up."""
+
+    kinds: Confusion = field(default_factory=Counter)
+    colours: Confusion = field(default_factory=Counter)
+
+    @classmethod
+    def of(cls, comparisons: Iterable[PaintComparison]) -> PaintSummary:
+        """Return the summary of matched lines; colours are compared where both are known."""
+        comparisons = tuple(comparisons)
+        return cls(
+            Counter((c.true_kind, c.kind) for c in comparisons),
+            Counter((c.true_colour, c.colour) for c in comparisons if c.true_colour and c.colour),
+        )
+
+    def __add__(self, other: PaintSummary) -> PaintSummary:
+        return PaintSummary(self.kinds + other.kinds, self.colours + other.colours)
+
+    @property
+    def kind_right(self) -> float:
+        """Share of the lines with a kind told whose kind is right, nan without any."""
+        return share_right(self.kinds)
+
+    @property
+    def colour_right(self) -> float:
+        """Share of the lines with both colours known whose colour is right, nan without any."""
+        return share_right(self.colours)
+
+
+def share_right(confusion: Confusion, true: str | None = None) -> float:
+    """Return the share that is right of what was told (of lines that are truly `true`), nan of nothing."""
+    told = {pair: n for pair, n in confusion.items() if pair[1] and true in (None, pair[0])}
+    right = sum(n for (is_, said), n in told.items() if is_ == said)
+    return right / sum(told.values()) if told else float("nan")
+
+
+def confusion_rows(confusion: Confusion, names: Iterable[str]) -> tuple[list[str], dict[str, list[int]]]:
+    """Return the names of the columns, what was told, and by what is there the number of lines in each.
+
+    `names` always have a column, others where they were told, and a row where they are there.
+    """
+    names = tuple(names)
+    told = [*names, *sorted({said for _, said in confusion if said not in (*names, "")}), ""]
+    rows = {
+        name: [confusion[name, said] for said in told]
+        for name in names
+        if any(is_ == name for is_, _ in confusion)
+    }
+    return [said or UNKNOWN for said in told], rows
