@@ -5,47 +5,24 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.evaluation.depth import DEPTHS, DepthErrors, DepthSummary
-from lane_dp_ros.tools.evaluation.lateral import Mean
-from lane_dp_ros.tools.evaluation.reliability import CONFIDENCE_BINS, confidences, reliability
-from lane_dp_ros.tools.evaluation.scores import FrameScore, Match
-from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
+from lane_dp_ros.tools.evaluation.depth import DepthErrors
+from lane_dp_ros.tools.evaluation.reliability import (
+    CONFIDENCE_BINS,
+    confidences,
+    reliability,
+    road_edge_scores,
+)
+from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine, LineScores, Match, RoadEdgeScore
+from lane_dp_ros.tools.evaluation.summary import by_category, by_sequence
+from lane_dp_ros.tools.evaluation.summary_json import number, summary_json
 
 FORMAT = "lane_dp evaluation 1"
-SPACE_KEYS = ("near", "far", "at_10", "at_25")
-# JSON key: the summary's attribute
-SUMMARY_KEYS = {
-    "frames": "frames",
-    "total_lane_markings": "ego_labels",
-    "incorrect": "incorrect",
-    "missed": "missed",
-    "precision": "paper_precision",
-    "labels": "labels",
-    "matched": "matched",
-    "recall": "lane_recall",
-    "detections": "detections",
-    "false_lanes": "false_lanes",
-    "duplicates": "duplicates",
-    "detection_precision": "detection_precision",
-    "false_per_frame": "false_lanes_per_frame",
-    "error": "localisation_error",
-    "error_near": "near_error",
-    "error_far": "far_error",
-    "id_switches": "id_switches",
-    "id_chances": "id_chances",
-    "jitter": "jitter",
-    "label_jitter": "label_jitter",
-    "jitter_windows": "jitter_windows",
-    "latency": "latency",
-    "latency_95": "latency_95",
-}
 
 
 def check_json_output(path: Path) -> None:
@@ -80,55 +57,26 @@ def as_json(results: Sequence[FrameScore], notes: Sequence[str]) -> dict[str, An
     categories.pop("total")
     return {
         "format": FORMAT,
-        "total": _summary_json(total),
-        "sequences": {name: _summary_json(summary) for name, summary in sequences.items()},
-        "categories": {name: _summary_json(summary) for name, summary in categories.items()},
+        "total": summary_json(total),
+        "sequences": {name: summary_json(summary) for name, summary in sequences.items()},
+        "categories": {name: summary_json(summary) for name, summary in categories.items()},
         "reliability": _reliability_json(results),
+        "road_edge_reliability": _reliability_json(road_edge_scores(results)),
         "notes": list(notes),
         "frames": [_frame_json(result) for result in results],
     }
 
 
-def _reliability_json(results: Sequence[FrameScore]) -> dict[str, Any]:
+def _reliability_json(results: Sequence[LineScores]) -> dict[str, Any]:
     bins = reliability(*confidences(results))
     rows = zip(CONFIDENCE_BINS, bins.confidence, bins.right, bins.counts, strict=False)
     return {
-        "expected_calibration_error": _number(bins.error),
+        "expected_calibration_error": number(bins.error),
         "bins": [
-            {"from": float(low), "mean": _number(float(mean)), "right": int(right), "lines": int(lines)}
+            {"from": float(low), "mean": number(float(mean)), "right": int(right), "lines": int(lines)}
             for low, mean, right, lines in rows
         ],
     }
-
-
-def _summary_json(summary: Summary) -> dict[str, Any]:
-    t, c = summary.tusimple, summary.culane
-    return {
-        **{key: _number(getattr(summary, attribute)) for key, attribute in SUMMARY_KEYS.items()},
-        "tusimple": {name: _number(getattr(t, name)) for name in ("accuracy", "fp", "fn")},
-        "culane": {"tp": c.tp, "fp": c.fp, "fn": c.fn, "f1": _number(c.f1)},
-        "depth": _depth_json(summary.depth),
-        "error_3d": {key: _mean_json(getattr(summary.in_space, key)) for key in SPACE_KEYS},
-    }
-
-
-def _depth_json(depth: DepthSummary) -> dict[str, Any]:
-    curve = depth.curve()
-    columns = (each.tolist() for each in (curve.depths, curve.bias, curve.low, curve.high, curve.counts))
-    return {
-        "frames": depth.frames,
-        "no_surface": depth.no_surface,
-        "bias": {f"{z:g}": _number(depth.bias(z)) for z in DEPTHS},
-        "spread": {f"{z:g}": _number(depth.spread(z)) for z in DEPTHS},
-        "curve": [
-            {"depth": z, "bias": _number(bias), "low": _number(low), "high": _number(high), "frames": count}
-            for z, bias, low, high, count in zip(*columns, strict=True)
-        ],
-    }
-
-
-def _mean_json(mean: Mean) -> dict[str, Any]:
-    return {"mean": _number(mean.value), "lines": mean.count}
 
 
 def _frame_json(result: FrameScore) -> dict[str, Any]:
@@ -143,9 +91,24 @@ def _frame_json(result: FrameScore) -> dict[str, Any]:
         "latency": result.latency,
         "depth_errors": _depth_errors_json(result.depth),
         "matches": [_match_json(match) for match in result.matches],
+        "detections": [_detection_json(detection) for detection in result.detections],
+        "road_edges": None if result.road_edges is None else _edges_of_frame_json(result.road_edges),
+    }
+
+
+def _detection_json(detection: JudgedLine) -> dict[str, Any]:
+    lane = detection.lane
+    told = {"id": lane.id, "role": lane.role, "kind": lane.kind, "colour": lane.colour}
+    verdicts = {"verdict": detection.verdict, "strict_verdict": detection.strict_verdict}
+    return {**told, "confidence": lane.confidence, **verdicts}
+
+
+def _edges_of_frame_json(edges: RoadEdgeScore) -> dict[str, Any]:
+    return {
+        "labels": list(edges.labels),
+        "matches": [_match_json(match) for match in edges.matches],
         "detections": [
-            {"id": d.lane.id, "role": d.lane.role, "confidence": d.lane.confidence, "verdict": d.verdict}
-            for d in result.detections
+            {"id": d.lane.id, "confidence": d.lane.confidence, "verdict": d.verdict} for d in edges.detections
         ],
     }
 
@@ -158,8 +121,4 @@ def _match_json(match: Match) -> dict[str, Any]:
 
 def _depth_errors_json(depth: DepthErrors | None) -> list[float | None] | None:
     """Return the errors at each depth of the curve; null for a frame in which no surface is known."""
-    return None if depth is None or not depth.measured else [_number(error) for error in depth.errors]
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    return None if depth is None or not depth.measured else [number(error) for error in depth.errors]

@@ -4,17 +4,18 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.tools.evaluation.annotations import COLOURS, Label
+from lane_dp_ros.tools.evaluation.annotations import Label
 
-PAINTED_KINDS = ("solid", "dashed", "double")
-PAINT_COLOURS = tuple(filter(None, COLOURS))
-UNKNOWN = "not told"
+ORDER = ("solid", "dashed", "double", "edge", "white", "yellow", "")  # of rows and columns
+NOT_TOLD = "not told"
+NAN = float("nan")
 
 Confusion = Counter[tuple[str, str]]  # (what is there, what was told, "" for nothing): number of lines
 
@@ -72,23 +73,33 @@ class PaintSummary:
         return share_right(self.colours)
 
 
-def share_right(confusion: Confusion, true: str | None = None) -> float:
-    """Return the share that is right of what was told (of lines that are truly `true`), nan of nothing."""
-    told = {pair: n for pair, n in confusion.items() if pair[1] and true in (None, pair[0])}
-    right = sum(n for (is_, said), n in told.items() if is_ == said)
-    return right / sum(told.values()) if told else float("nan")
+def is_told(confusion: Confusion) -> bool:
+    """Whether anything was told of any line."""
+    return any(told for _, told in confusion)
 
 
-def confusion_rows(confusion: Confusion, names: Iterable[str]) -> tuple[list[str], dict[str, list[int]]]:
-    """Return the names of the columns, what was told, and by what is there the number of lines in each.
+def share_right(confusion: Confusion) -> float:
+    """Return the share that is right of what was told, nan where nothing was."""
+    told = {pair: n for pair, n in confusion.items() if pair[1]}
+    return sum(n for (true, said), n in told.items() if true == said) / sum(told.values()) if told else NAN
 
-    `names` always have a column, others where they were told, and a row where they are there.
+
+def confusion_rows(confusion: Confusion) -> tuple[list[str], dict[str, list[str]]]:
+    """Return a table of a confusion: the heads, what was told, and by what is there the numbers of lines.
+
+    The last column is the share right, the last row "total". What was not told is neither right nor wrong.
     """
-    names = tuple(names)
-    told = [*names, *sorted({said for _, said in confusion if said not in (*names, "")}), ""]
-    rows = {
-        name: [confusion[name, said] for said in told]
-        for name in names
-        if any(is_ == name for is_, _ in confusion)
-    }
-    return [said or UNKNOWN for said in told], rows
+    heads = [name for name in ORDER if any(name in pair for pair in confusion)]
+    groups = {name: _of(confusion, name) for name in heads}
+    rows = {name: _row(group, heads) for name, group in {**groups, "total": confusion}.items() if group}
+    return [*(head or NOT_TOLD for head in heads), "right"], rows
+
+
+def _of(confusion: Confusion, name: str) -> Confusion:
+    return Counter({pair: n for pair, n in confusion.items() if pair[0] == name})
+
+
+def _row(confusion: Confusion, heads: list[str]) -> list[str]:
+    right = share_right(confusion)
+    counts = [sum(n for (_, told), n in confusion.items() if told == head) for head in heads]
+    return [*map(str, counts), "-" if math.isnan(right) else f"{right:.3f}"]

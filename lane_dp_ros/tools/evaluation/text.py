@@ -5,16 +5,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from lane_dp_ros.tools.evaluation.depth import DEPTHS
-from lane_dp_ros.tools.evaluation.reliability import CONFIDENCE_BINS, confidences, reliability
-from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.evaluation.paint_kinds import Confusion, confusion_rows, is_told
+from lane_dp_ros.tools.evaluation.reliability import (
+    CONFIDENCE_BINS,
+    confidences,
+    reliability,
+    road_edge_scores,
+)
+from lane_dp_ros.tools.evaluation.scores import FrameScore, LineScores
 from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
+from lane_dp_ros.tools.evaluation.value_columns import (
+    DEPTH_COLUMNS,
+    EDGE_COLUMNS,
+    SPACE_COLUMNS,
+    ValueColumn,
+    value_cells,
+)
 
 
 class Column(NamedTuple):
@@ -34,7 +45,9 @@ COLUMNS = (
     Column("", "precision", "paper_precision"),
     Column("", "recall", "lane_recall"),
     Column("detection", "precision", "detection_precision"),
+    Column("", "strict", "strict_detection_precision"),
     Column("false", "per frame", "false_lanes_per_frame", ".2f"),
+    Column("", "strict", "strict_false_lanes_per_frame", ".2f"),
     Column("error m", "6-12 m", "near_error"),
     Column("error m", "12-25 m", "far_error"),
     Column("id", "switches", "id_switches", "d"),
@@ -45,54 +58,36 @@ COLUMNS = (
 COLUMNS_OF_FRAMES = COLUMNS[: [column.attribute for column in COLUMNS].index("id_switches")]
 
 
-class SpaceColumn(NamedTuple):
-    """A column of the table of what is compared in the world: its head in two lines, its number, its spec."""
-
-    top: str
-    bottom: str
-    of: Callable[[Summary], float]
-    spec: str = ".3f"
-
-
-def _bias(depth: float, summary: Summary) -> float:
-    return 100 * summary.depth.bias(depth)
-
-
-def _spread(depth: float, summary: Summary) -> float:
-    return 100 * summary.depth.spread(depth)
-
-
-def _depth_columns(depth: float) -> Iterator[SpaceColumn]:
-    """Yield the bias and the spread of the surface's depth in per cent, at a depth [m]."""
-    yield SpaceColumn("depth %", f"{depth:g} m", partial(_bias, depth), "+.2f")
-    yield SpaceColumn("90 %", "within", partial(_spread, depth), ".2f")
-
-
-DEPTH_COLUMNS = (
-    *(column for depth in DEPTHS for column in _depth_columns(depth)),
-    SpaceColumn("no", "surface", lambda s: s.depth.no_surface if s.depth.frames else math.nan, ".0f"),
-)
-SPACE_COLUMNS = (
-    *DEPTH_COLUMNS,
-    SpaceColumn("3-D m", "6-12 m", lambda s: s.in_space.near.value),
-    SpaceColumn("3-D m", "12-25 m", lambda s: s.in_space.far.value),
-    SpaceColumn("3-D m", "at 10 m", lambda s: s.in_space.at_10.value),
-    SpaceColumn("3-D m", "at 25 m", lambda s: s.in_space.at_25.value),
-)
-
-
 def tables(results: Sequence[FrameScore]) -> str:
     """Return the table by sequence, by category where that is another, and TuSimple's and CULane's.
 
-    Where anything was compared in the world, a table of that by sequence stands between.
+    Between stand, where there is anything to tell: a table by sequence of what was compared in the world, one
+    of the road edges, and one of the kinds of paint.
     """
     sequences, categories = by_sequence(results), by_category(results)
+    total = sequences["total"]
     parts = [table("sequence", sequences)]
     if any(result.category for result in results) and categories != sequences:
         parts.append(table("category", categories))
-    if compared_in_space(sequences["total"]):
-        parts.append(space_table(sequences))
-    return "\n\n".join([*parts, "\n".join([_calibration(results), _tusimple_culane(sequences["total"])])])
+    if compared_in_space(total):
+        parts.append(value_table(sequences, SPACE_COLUMNS))
+    if total.road_edges.frames:
+        parts.append(value_table(sequences, EDGE_COLUMNS))
+    if is_told(total.paint.kinds):
+        parts.append(paint_table("kind", total.paint.kinds))
+    if total.paint.colours:
+        parts.append(paint_table("colour", total.paint.colours))
+    return "\n\n".join([*parts, "\n".join(_last_lines(results, total))])
+
+
+def _last_lines(results: Sequence[FrameScore], total: Summary) -> list[str]:
+    edges = road_edge_scores(results)
+    return [
+        *([without_paint(total)] if total.unpainted_frames else []),
+        _calibration(results, "lines"),
+        *([_calibration(edges, "road edges")] if edges else []),
+        _tusimple_culane(total),
+    ]
 
 
 def table(title: str, summaries: Mapping[str, Summary], columns: Sequence[Column] = COLUMNS) -> str:
@@ -109,28 +104,32 @@ def compared_in_space(total: Summary) -> bool:
 def surface_tables(results: Sequence[FrameScore]) -> str:
     """Return the depth's bias and spread by sequence, of frames whose surface alone was judged."""
     sequences = by_sequence(results)
-    return f"{space_table(sequences, DEPTH_COLUMNS)}\n\n{len(results)} frames"
+    return f"{value_table(sequences, DEPTH_COLUMNS)}\n\n{len(results)} frames"
 
 
-def space_table(
-    summaries: Mapping[str, Summary], columns: Sequence[SpaceColumn] = SPACE_COLUMNS, title: str = "sequence"
-) -> str:
-    """Return the depth's bias and spread and the lateral errors in the world, a summary to a line."""
-    rows = [[name, *space_cells(summary, columns)] for name, summary in summaries.items()]
-    return _laid_out(title, columns, rows)
+def value_table(summaries: Mapping[str, Summary], columns: Sequence[ValueColumn]) -> str:
+    """Return a table of the numbers of some columns by sequence, a summary to a line."""
+    rows = [[name, *value_cells(summary, columns)] for name, summary in summaries.items()]
+    return _laid_out("sequence", columns, rows)
 
 
-def space_cells(summary: Summary, columns: Sequence[SpaceColumn] = SPACE_COLUMNS) -> list[str]:
-    """Return the numbers of a line of that table."""
-    values = [column.of(summary) for column in columns]
-    return [
-        "-" if math.isnan(value) else format(value, column.spec)
-        for value, column in zip(values, columns, strict=True)
-    ]
+def paint_table(title: str, confusion: Confusion) -> str:
+    """Return how often each kind or colour was told of the found lines of each, and the share right."""
+    heads, rows = confusion_rows(confusion)
+    columns = [Column("" if i else "told as", head, "") for i, head in enumerate(heads)]
+    return _laid_out(title, columns, [[name, *cells] for name, cells in rows.items()])
+
+
+def without_paint(total: Summary) -> str:
+    """Return in words how many lines were published in frames without a painted label."""
+    return (
+        f"{total.unpainted_frames} frames without paint: {total.unpainted_false_lanes} false lanes, "
+        f"strictly {total.unpainted_false_lanes_strict}"
+    )
 
 
 def _laid_out(
-    title: str, columns: Sequence[Column] | Sequence[SpaceColumn], rows: Sequence[Sequence[str]]
+    title: str, columns: Sequence[Column] | Sequence[ValueColumn], rows: Sequence[Sequence[str]]
 ) -> str:
     heads = [["", *(c.top for c in columns)], [title, *(c.bottom for c in columns)]]
     widths = [max(map(len, cells)) for cells in zip(*heads, *rows, strict=True)]
@@ -145,15 +144,16 @@ def cell(summary: Summary, column: Column) -> str:
     return "-" if nothing else format(value * column.scale if column.scale != 1 else value, column.spec)
 
 
-def _calibration(results: Sequence[FrameScore]) -> str:
+def _calibration(results: Sequence[LineScores], what: str) -> str:
     """Return the share of right lines by confidence, as long as something was published."""
     bins = reliability(*confidences(results))
     if math.isnan(bins.error):
-        return "nothing was published"
+        return f"no {what} were published"
     shares = (
         f"{CONFIDENCE_BINS[i]:.1f}: {bins.right[i]} of {bins.counts[i]}" for i in np.flatnonzero(bins.counts)
     )
-    return f"right by confidence, from {', '.join(shares)}; expected calibration error {bins.error:.3f}"
+    error = f"expected calibration error {bins.error:.3f}"
+    return f"{what} right by confidence, from {', '.join(shares)}; {error}"
 
 
 def _tusimple_culane(total: Summary) -> str:

@@ -35,7 +35,8 @@ def card(place: int, result: FrameScore, frame: LabelledFrame | None, images: Fr
         f'<article class="frame" id="frame-{place}"><header><h3>{place}. {escape(result.name)}</h3>'
         f"{_badges(result)}</header>{note}"
         f'<div class="pictures">{pictures(result, frame, images)}'
-        f'<div class="words">{_labels(result, frame, images.detection)}{_lanes(result)}</div></div></article>'
+        f'<div class="words">{_labels(result, frame, images.detection)}{_lanes(result)}{_road_edges(result)}'
+        "</div></div></article>"
     )
 
 
@@ -76,14 +77,15 @@ def _label(label: Label, result: FrameScore, frame: LabelledFrame, detection: La
 
 def _error(label: Label, result: FrameScore) -> str:
     """Return in words how far a found label's line is off, empty for a label that was not found."""
-    for match in result.matches:
+    edges = () if result.road_edges is None else result.road_edges.matches
+    for match in (*result.matches, *edges):
         if match.label == label.id:
             return f"{'' if match.counts else ', need not be'}, {100 * match.error:.1f} cm off"
     return ""
 
 
 def _reason(what: str | int, result: FrameScore) -> str:
-    reason = next(failure.reason for failure in failures(result) if failure.what == what)
+    reason = next((failure.reason for failure in failures(result) if failure.what == what), "")
     return f" ({reason})" if is_papers(reason) else ""
 
 
@@ -123,6 +125,20 @@ def _lanes(result: FrameScore) -> str:
     return _list("Published lines", rows)
 
 
+def _road_edges(result: FrameScore) -> str:
+    """Return in words what became of the road edges, empty where they were not judged."""
+    if result.road_edges is None:
+        return ""
+    rows = "".join(_road_edge(detection) for detection in result.road_edges.detections)
+    return _list("Road edges", rows)
+
+
+def _road_edge(detection: JudgedLine) -> str:
+    words = _verdict(detection) + ", {:.0f} to {:.0f} m".format(*detection.lane.extent)
+    state = LANE_STATES[detection.verdict]
+    return f'<li class="{state}"><b>{detection.lane.confidence:.2f}</b> {escape(words)}</li>'
+
+
 def _list(title: str, rows: str) -> str:
     return f"<div><h4>{title}</h4><ul>{rows or '<li>none</li>'}</ul></div>"
 
@@ -130,13 +146,19 @@ def _list(title: str, rows: str) -> str:
 def _lane(index: int, detection: JudgedLine, result: FrameScore) -> str:
     lane, state = detection.lane, LANE_STATES[detection.verdict]
     name = lane.role.replace("_", " ") + (f" {lane.id}" if lane.id >= 0 else "")
-    words = {
-        "right": f"right, it is {detection.label}",
-        "false": "false",
-        "duplicate": "duplicate of a better one",
-        "ignored": "beside a label that it does not match, not counted",
-    }[state]
+    words = _verdict(detection)
     if detection.wrong:
         words += _reason(index, result)
     extent = "{:.0f} to {:.0f} m".format(*lane.extent)
     return f'<li class="{state}"><b>{lane.confidence:.2f}</b> {escape(name)}, {extent}: {escape(words)}</li>'
+
+
+def _verdict(detection: JudgedLine) -> str:
+    """Return the verdict on a published line in words."""
+    return {
+        "match": f"right, it is {detection.label}",
+        "false": "false",
+        "duplicate": "duplicate of a better one",
+        "ignored": "beside a label that it does not match, not counted",
+        "beyond": "farther aside than anything is labelled, not judged",
+    }[detection.verdict]

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import cv2
@@ -33,7 +33,9 @@ PLAN = (-7.5, 7.5, 4.0, 34.0)  # m, right and ahead: what is drawn from above wh
 
 # In words and as a class of the style sheet: what became of a label, or of a published line.
 LABEL_STATES = ("found", "missed", "incorrect", "not-found", "not-judged")
-LANE_STATES = {"match": "right", "false": "false", "duplicate": "duplicate", "ignored": "ignored"}
+LANE_STATES = {
+    "match": "right", "false": "false", "duplicate": "duplicate", "ignored": "ignored", "beyond": "ignored",
+}  # fmt: skip
 
 
 def label_state(label: Label, result: FrameScore) -> str:
@@ -42,9 +44,10 @@ def label_state(label: Label, result: FrameScore) -> str:
         return "missed"
     if label.id in result.incorrect:
         return "incorrect"
-    if any(match.label == label.id for match in result.matches):
+    judged = result if label.painted or result.road_edges is None else result.road_edges
+    if any(match.label == label.id for match in judged.matches):
         return "found"
-    return "not-found" if label.id in result.labels else "not-judged"
+    return "not-found" if label.id in judged.labels else "not-judged"
 
 
 def pictures(result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:
@@ -67,12 +70,19 @@ def image_lines(result: FrameScore, frame: LabelledFrame | None, camera: StereoC
     labels = frame.labels if frame else ()
     return [
         *(Line(label.uv, f"label {label_state(label, result)}", label.id) for label in labels),
-        *(_lane_line(d, camera.project(_ahead(d.lane.points))) for d in result.detections),
+        *(_lane_line(d, style, camera.project(_ahead(d.lane.points))) for style, d in _published(result)),
     ]
 
 
-def _lane_line(detection: JudgedLine, points: Floats) -> Line:
-    return Line(points, f"lane {LANE_STATES[detection.verdict]}", f"{detection.lane.confidence:.2f}")
+def _published(result: FrameScore) -> Iterator[tuple[str, JudgedLine]]:
+    """Yield the lanes and the road edges of a frame, each with its class of the style sheet."""
+    yield from (("lane", detection) for detection in result.detections)
+    if result.road_edges is not None:
+        yield from (("road-edge", detection) for detection in result.road_edges.detections)
+
+
+def _lane_line(detection: JudgedLine, style: str, points: Floats) -> Line:
+    return Line(points, f"{style} {LANE_STATES[detection.verdict]}", f"{detection.lane.confidence:.2f}")
 
 
 def _ahead(points: Floats) -> Floats:
@@ -155,6 +165,6 @@ def _plan(result: FrameScore, frame: LabelledFrame | None) -> str:
         Line(place(label.xz), f"label {label_state(label, result)}", label.id)
         for label in (frame.labels if frame else ())
     ]
-    lanes = [_lane_line(d, place(_ahead(d.lane.points)[:, [0, 2]])) for d in result.detections]
+    lanes = [_lane_line(d, style, place(_ahead(d.lane.points)[:, [0, 2]])) for style, d in _published(result)]
     marks = [(f"{z} m", (far - z) / (far - near)) for z in DISTANCES]
     return figure("above plan", "From above", (right - left, far - near), "", [*labels, *lanes], marks)

@@ -10,7 +10,12 @@ from html import escape
 import numpy as np
 
 from lane_dp_ros.tools.evaluation.depth import DepthSummary
-from lane_dp_ros.tools.evaluation.reliability import CONFIDENCE_BINS, confidences, reliability
+from lane_dp_ros.tools.evaluation.reliability import (
+    CONFIDENCE_BINS,
+    confidences,
+    reliability,
+    road_edge_scores,
+)
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.report.chart import Axis, Chart, scale
@@ -66,6 +71,9 @@ def _reliability_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
         f"<b>{number(bins.error)}</b> apart (expected calibration error). Bars: 95 % interval; above: number "
         f"of lines."
     )
+    edges = reliability(*confidences(road_edge_scores(results)))
+    if edges.counts.any():
+        words += f" Of the {edges.counts.sum()} road edges, not drawn: <b>{number(edges.error)}</b>."
     return title, chart.svg(), words
 
 

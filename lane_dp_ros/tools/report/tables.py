@@ -10,31 +10,35 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from lane_dp_ros.tools.evaluation.depth import DEPTHS
+from lane_dp_ros.tools.evaluation.paint_kinds import PaintSummary, confusion_rows, is_told
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
-from lane_dp_ros.tools.evaluation.text import (
-    COLUMNS,
+from lane_dp_ros.tools.evaluation.text import COLUMNS, Column, cell, compared_in_space, without_paint
+from lane_dp_ros.tools.evaluation.value_columns import (
     DEPTH_COLUMNS,
+    EDGE_COLUMNS,
     SPACE_COLUMNS,
-    Column,
-    SpaceColumn,
-    cell,
-    compared_in_space,
-    space_cells,
+    ValueColumn,
+    value_cells,
 )
 from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
 
 PAPER_COLUMNS = COLUMNS[:4]
+FIRST_ERROR = [column.attribute for column in COLUMNS].index("near_error")
 TODAY_COLUMNS = (
     Column("", "frames", "frames", "d"),
-    *COLUMNS[4:7],
+    *COLUMNS[len(PAPER_COLUMNS) : FIRST_ERROR],
     Column("error m", "6-25 m", "localisation_error"),
-    *COLUMNS[7:],
+    *COLUMNS[FIRST_ERROR:],
 )
 TILES = (
     (Column("", "paper's precision", "paper_precision"), "of the lines beside the vehicle"),
     (Column("", "recall", "lane_recall"), "of all painted lines"),
     (Column("", "detection precision", "detection_precision"), "of the published lines"),
+    (
+        Column("", "strict precision", "strict_detection_precision"),
+        "with lines on unpainted edges among the false ones",
+    ),
     (Column("", "false lanes per frame", "false_lanes_per_frame", ".2f"), "on no line at all"),
     (Column("", "error [m]", "localisation_error"), "aside, where lines are found"),
 )
@@ -42,7 +46,7 @@ TUSIMPLE = ("accuracy", "fp", "fn")
 
 
 def tiles(total: Summary) -> str:
-    """Return the five numbers that say most."""
+    """Return the numbers that say most."""
     return "".join(
         f'<div class="tile"><b>{cell(total, column)}</b><span>{column.bottom}</span>'
         f"<small>{text}</small></div>"
@@ -51,19 +55,43 @@ def tiles(total: Summary) -> str:
 
 
 def tables(results: Sequence[FrameScore]) -> str:
-    """Return the paper's table, today's numbers, TuSimple's and CULane's, by sequence and by category."""
+    """Return the paper's table, today's numbers, TuSimple's and CULane's, by sequence and by category.
+
+    Depth, road edges and kinds of paint have tables of their own where there is anything to tell.
+    """
     sequences, categories = by_sequence(results), by_category(results)
+    total = sequences["total"]
     parts = [_paper_and_today("sequence", sequences)]
     if len(categories) > 1 and categories != sequences:
         parts.append(_paper_and_today("category", categories))
-    if compared_in_space(sequences["total"]):
+    if total.unpainted_frames:
+        parts.append(f"<p>{without_paint(total)}.</p>")
+    if compared_in_space(total):
         words = (
             "In metres, not through the image: the measured surface's depth straight ahead, and the lines."
         )
-        parts.append(f"<section><h3>Depth and 3-D</h3><p>{words}</p>{_space_table(sequences)}</section>")
-    if sequences["total"].tusimple.frames:
+        parts.append(_section("Depth and 3-D", words, _value_table(sequences, SPACE_COLUMNS)))
+    if total.road_edges.frames:
+        words = "Unpainted borders of the carriageway, matched with the labels of that kind as lines are."
+        parts.append(_section("Road edges", words, _value_table(sequences, EDGE_COLUMNS)))
+    if is_told(total.paint.kinds):
+        parts.append(_paint(total.paint))
+    if total.tusimple.frames:
         parts.append(_tusimple_culane(sequences))
     return "".join(parts)
+
+
+def _section(title: str, words: str, table: str) -> str:
+    return f"<section><h3>{title}</h3><p>{words}</p>{table}</section>"
+
+
+def _paint(paint: PaintSummary) -> str:
+    words = "Of the lines that were found: what is there by row, what was told of it by column."
+    confusions = {"kind": paint.kinds, "colour": paint.colours}
+    found = [
+        _table(title, *confusion_rows(confusion)) for title, confusion in confusions.items() if confusion
+    ]
+    return _section("Kind and colour of the paint", words, "".join(found))
 
 
 def _paper_and_today(title: str, summaries: Mapping[str, Summary]) -> str:
@@ -90,17 +118,17 @@ def _tusimple_culane(summaries: Mapping[str, Summary]) -> str:
     }  # fmt: skip
     words = "In the image: TuSimple (20 px, 85 %) and CULane (lines 30 px wide, IoU 0.5), as published."
     table = _table("sequence", heads, rows)
-    return f"<section><h3>The literature's measures</h3><p>{words}</p>{table}</section>"
+    return _section("The literature's measures", words, table)
 
 
-def _space_table(summaries: Mapping[str, Summary], columns: Sequence[SpaceColumn] = SPACE_COLUMNS) -> str:
-    rows = {name: space_cells(summary, columns) for name, summary in summaries.items()}
+def _value_table(summaries: Mapping[str, Summary], columns: Sequence[ValueColumn]) -> str:
+    rows = {name: value_cells(summary, columns) for name, summary in summaries.items()}
     return _table("sequence", [f"{c.top}\n{c.bottom}" for c in columns], rows)
 
 
 def depth_table(results: Sequence[FrameScore]) -> str:
     """Return the depth's bias and spread by sequence."""
-    return _space_table(by_sequence(results), DEPTH_COLUMNS)
+    return _value_table(by_sequence(results), DEPTH_COLUMNS)
 
 
 def frames_by_depth_error(results: Sequence[FrameScore]) -> str:

@@ -54,7 +54,7 @@ def test_the_json_file_has_the_bins():
 
 def test_the_text_says_how_many_are_right_in_each_bin():
     assert "from 0.5: 1 of 3, 0.9: 4 of 4; expected calibration error 0.117" in tables(RESULTS)
-    assert "nothing was published" in tables([frame()])
+    assert "no lines were published" in tables([frame()])
 
 
 def test_nothing_published_has_no_error():
