@@ -123,7 +123,7 @@ def paint_table(title: str, confusion: Confusion) -> str:
 def without_paint(total: Summary) -> str:
     """Return in words how many lines were published in frames without a painted label."""
     return (
-        f"{total.unpainted_frames} frames without paint: {total.unpainted_false_lanes} false lanes, "
+        f"false lanes in {total.unpainted_frames} frames without paint: {total.unpainted_false_lanes}, "
         f"strictly {total.unpainted_false_lanes_strict}"
     )
 

@@ -15,7 +15,7 @@ from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
 from lane_dp_ros.tools.report.failures import Kind, failures, is_papers
 from lane_dp_ros.tools.report.frame_images import FrameImages
-from lane_dp_ros.tools.report.pictures import LANE_STATES, label_state, pictures
+from lane_dp_ros.tools.report.pictures import LANE_STATES, judged_with, label_state, pictures
 
 ALONG = 0.35  # m; a path that is no farther from a label on average runs along it
 
@@ -70,15 +70,14 @@ def _label(label: Label, result: FrameScore, frame: LabelledFrame, detection: La
         "not-judged": "need not be found",
     }[state]
     if state in ("missed", "incorrect", "not-found"):
-        words += _reason(label.id, result) + _path_beside(label, frame, detection)
+        words += _reason(label.id, result) + (_path_beside(label, frame, detection) if label.painted else "")
     what = f"{label.kind}{side}{sure}: {words}"
     return f'<li class="{state}"><b>{escape(label.id)}</b> {escape(what)}</li>'
 
 
 def _error(label: Label, result: FrameScore) -> str:
     """Return in words how far a found label's line is off, empty for a label that was not found."""
-    edges = () if result.road_edges is None else result.road_edges.matches
-    for match in (*result.matches, *edges):
+    for match in judged_with(label, result).matches:
         if match.label == label.id:
             return f"{'' if match.counts else ', need not be'}, {100 * match.error:.1f} cm off"
     return ""
@@ -147,6 +146,8 @@ def _lane(index: int, detection: JudgedLine, result: FrameScore) -> str:
     lane, state = detection.lane, LANE_STATES[detection.verdict]
     name = lane.role.replace("_", " ") + (f" {lane.id}" if lane.id >= 0 else "")
     words = _verdict(detection)
+    if detection.strictly_wrong and not detection.wrong:
+        words += "; strictly false, it runs along an unpainted edge"
     if detection.wrong:
         words += _reason(index, result)
     extent = "{:.0f} to {:.0f} m".format(*lane.extent)

@@ -17,7 +17,7 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lanes.candidate import LanePath
 from lane_dp_ros.messages.image import Image8
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
-from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
+from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine, LineScores
 from lane_dp_ros.tools.report.figure import Line, data_uri, figure
 from lane_dp_ros.tools.report.frame_images import FrameImages
 
@@ -44,10 +44,15 @@ def label_state(label: Label, result: FrameScore) -> str:
         return "missed"
     if label.id in result.incorrect:
         return "incorrect"
-    judged = result if label.painted or result.road_edges is None else result.road_edges
+    judged = judged_with(label, result)
     if any(match.label == label.id for match in judged.matches):
         return "found"
     return "not-found" if label.id in judged.labels else "not-judged"
+
+
+def judged_with(label: Label, result: FrameScore) -> LineScores:
+    """Return what a label was compared with: an edge with the road edges where there are any, else lanes."""
+    return result if label.painted or result.road_edges is None else result.road_edges
 
 
 def pictures(result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:

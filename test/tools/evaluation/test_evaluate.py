@@ -16,7 +16,7 @@ from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.stamp import stamp_to_ros
 from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.evaluation.truth_file import Label, LabelledFrame, save_truth
+from lane_dp_ros.tools.evaluation.truth_file import Label, LabelledFrame, load_truth, save_truth
 
 HEIGHT = 1.65
 SECOND = 1_000_000_000
@@ -60,7 +60,7 @@ def truth(tmp_path):
 def write_lanes(tmp_path):
     """Return a function that writes {stamp [ns]: lanes} to a bag, each recorded 30 ms after its image."""
 
-    def write(lanes_by_stamp, name="lanes", image_stamps=(), change=lambda message: message):
+    def write(lanes_by_stamp, name="lanes", image_stamps=(), change=lambda message: message, road_edges=()):
         with BagWriter(tmp_path / name) as writer:
             for ns in image_stamps:
                 header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(ns, bag_message))
@@ -71,12 +71,15 @@ def write_lanes(tmp_path):
                 header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(ns, bag_message))
                 message = change(lanes_to_ros(lanes, header, bag_message, 0.3))
                 writer.write("/car/lanes", ns + 9 + 30_000_000, message)
+            for ns, edges in dict(road_edges).items():
+                header = bag_message("std_msgs/msg/Header", stamp=stamp_to_ros(ns, bag_message))
+                writer.write("/car/road_edges", ns, lanes_to_ros(edges, header, bag_message, 0.3))
         return tmp_path / name
 
     return write
 
 
-ROW = "made 12 0 0 1.000 1.000 1.000 0.00 0.000 0.000 0 0.000 30.0"
+ROW = "made 12 0 0 1.000 1.000 1.000 1.000 0.00 0.00 0.000 0.000 0 0.000 30.0"
 PERFECT = {ns: (lane(-1.8, 1), lane(1.8, 2)) for ns in STAMPS}
 
 
@@ -112,10 +115,29 @@ def test_recorded_lanes(tmp_path, truth, write_lanes, capsys):
     assert found["sequences"]["made"] == found["categories"]["straight"] == total
     assert {match["label"] for match in found["frames"][0]["matches"]} == {"L", "R"}
     printed = capsys.readouterr().out.splitlines()
-    head = "sequence   markings  incorrect  missed  precision  recall  precision  per frame"
+    head = "sequence   markings  incorrect  missed  precision  recall  precision  strict  per frame"
     assert printed[1].split()[: len(head.split())] == head.split()
     assert printed[2].split() == ROW.split()
     assert any(text.startswith("category") for text in printed)
+
+
+def test_recorded_road_edges(tmp_path, truth, write_lanes):
+    """Of the topic beside the lanes'; none in a frame without an answer, or without a message there."""
+    with_edge = [replace(f, labels=(*f.labels, edge_label(4.0))) for f in load_truth(truth)]
+    save_truth(with_edge, truth)
+    lanes = {ns: found for ns, found in PERFECT.items() if ns != STAMPS[2]}
+    edges = {ns: (lane(4.05, 3), lane(-6.0, 4)) for ns in STAMPS[:4] if ns != STAMPS[2]}
+    found = measured(tmp_path, write_lanes(lanes, road_edges=edges), "--truth", truth)
+    judged = found["total"]["road_edges"]
+    assert (judged["frames"], judged["labels"], judged["matched"], judged["detections"]) == (6, 6, 3, 6)
+    assert (judged["recall"], judged["false_per_frame"]) == (0.5, 0.5)
+    assert found["total"]["detections"] == 10
+    without = measured(tmp_path, write_lanes(lanes, "without"), "--truth", truth)["total"]["road_edges"]
+    assert (without["frames"], without["labels"], without["recall"]) == (0, 0, None)
+
+
+def edge_label(x):
+    return Label("E", "edge", True, CAMERA.project(line(x)), line(x)[:, [0, 2]])
 
 
 def test_latency_is_not_known_without_the_images(tmp_path, truth, write_lanes):
@@ -176,6 +198,7 @@ def test_images_are_detected_in_first(tmp_path, scene_pairs, write_stereo_bag):
     total = measured(tmp_path, bag, "--truth", tmp_path / "t.json")["total"]
     assert (total["frames"], total["total_lane_markings"]) == (3, 6)
     assert total["recall"] > 0.5 and total["id_chances"] > 0 and total["latency"] > 0
+    assert total["road_edges"]["frames"] == 3
     with BagReader(bag) as reader:
         assert reader.message_count() == 12  # nothing was written to it
     assert measured(tmp_path, bag, "--unpainted")["total"]["precision"] is None

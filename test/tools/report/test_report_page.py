@@ -113,18 +113,22 @@ def test_the_tables_hold_the_summarys_numbers(page, results):
     total = summarise(results)
     assert paper[0] == ["sequence", "total lanemarkings", "incorrect", "missed", "precision"]
     assert paper[1:] == [["drive", "8", "0", "1", "0.875"], ["total", "8", "0", "1", "0.875"]]
-    assert today[0][:5] == ["sequence", "frames", "recall", "detectionprecision", "falseper frame"]
-    assert today[-1][:5] == [
+    heads = ["sequence", "frames", "recall", "detectionprecision", "strict", "falseper frame", "strict"]
+    assert today[0][:7] == heads
+    precision = f"{total.detection_precision:.3f}"
+    assert today[-1][:7] == [
         "total",
         "4",
         f"{total.lane_recall:.3f}",
-        f"{total.detection_precision:.3f}",
+        precision,
+        precision,
+        "0.25",
         "0.25",
     ]
-    assert today[-1][5:8] == [
+    assert today[-1][7:10] == [
         f"{e:.3f}" for e in (total.localisation_error, total.near_error, total.far_error)
     ]
-    assert today[-1][8:] == ["0", "-", "-"]  # switches, jitter, latency
+    assert today[-1][10:] == ["0", "-", "-"]  # switches, jitter, latency
     assert [row[0] for row in categories] == ["category", "kerbs", "over_exposure", "total"]
     assert page.texts("div", "tile")[0].startswith("0.875paper's precision")
 
@@ -200,6 +204,29 @@ def test_a_bag_without_images_shows_a_drawing_and_says_so(page):
     assert page.count("figure", "plan") == 4 and page.count("img", "") == 0
     assert page.count("polyline", "label missed") == 2  # with its casing
     assert page.count("polyline", "lane false") == 2
+
+
+def test_road_edges_and_kinds_of_paint(tmp_path, frames, results, empty_bag):
+    left, right, other = frames[0].labels
+    labels = left, replace(right, kind="edge", sure=True), replace(other, kind="edge")
+    frame = replace(frames[0], labels=labels, ego_right=None)
+    found = [detection.lane for detection in results[0].detections]
+    on_left, on_right, _ = found
+    astray = replace(on_right, points=on_right.points + [2.0, 0, 0])
+    told = replace(on_left, kind="dashed", colour="white")
+    result = judge(frame, [told, on_right], CAMERA, road_edges=[on_right, astray])
+    page = Parsed(write_report([result], [frame], empty_bag, tmp_path / "r").read_text(encoding="utf-8"))
+    edges = next(table for table in page.tables if "road edgeslabelled" in table[0])
+    assert edges[-1][1:7] == ["2", "1", "0.500", "2", "1", "1.00"]
+    kinds = next(table for table in page.tables if table[0][0] == "kind")
+    assert kinds[1:] == [["solid", "0", "1", "0.000"], ["total", "0", "1", "0.000"]]
+    (card,) = page.texts("article", "frame")
+    assert "R edge: found, 0.0 cm off" in card and "LL edge: not found" in card
+    assert "right, it is R, 5 to 28 m" in card and "false, 5 to 28 m" in card
+    assert "strictly false, it runs along an unpainted edge" in card
+    assert page.count("polyline", "road-edge right") == 1
+    assert page.count("polyline", "road-edge false") == 2  # with its casing
+    assert "#cc4de6" in "".join(page.texts("style"))
 
 
 def scene_frame(pair, name, **fields):
