@@ -65,7 +65,7 @@ def tables(results: Sequence[FrameScore]) -> str:
     if len(categories) > 1 and categories != sequences:
         parts.append(_paper_and_today("category", categories))
     if total.unpainted_frames:
-        parts.append(f"<p>{without_paint(total)}.</p>")
+        parts.append(f"<p>{without_paint(total).capitalize()}.</p>")
     if compared_in_space(total):
         words = (
             "In metres, not through the image: the measured surface's depth straight ahead, and the lines."
