@@ -10,9 +10,7 @@ from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeConfig
 from lane_dp_ros.core.birdseye.paint_map import PaintMapConfig
 from lane_dp_ros.core.lanes.axis_refinement import AxisRefinementConfig
 from lane_dp_ros.core.lanes.line_fit import LaneModelConfig
-from lane_dp_ros.core.lanes.mono_fallback import MonoFallbackConfig
 from lane_dp_ros.core.lanes.path_search import PathSearchConfig
-from lane_dp_ros.core.lanes.plane_sweep import PlaneSweepConfig
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes.variants.extension import ExtensionConfig
 from lane_dp_ros.core.lanes.variants.parallel import ParallelConfig
@@ -39,9 +37,7 @@ class DetectorConfig(Parameters):
     extension: ExtensionConfig = field(default_factory=ExtensionConfig)
     parallel: ParallelConfig = field(default_factory=ParallelConfig)
     stop_line: StopLineConfig = field(default_factory=StopLineConfig)
-    plane_sweep: PlaneSweepConfig = field(default_factory=PlaneSweepConfig)
     axis_refinement: AxisRefinementConfig = field(default_factory=AxisRefinementConfig)
-    mono_fallback: MonoFallbackConfig = field(default_factory=MonoFallbackConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
     seed: int = parameter(0, "Seed of the random samples: same frame, same lanes.", limits=(0, 2**31 - 1))
 

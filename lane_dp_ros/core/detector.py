@@ -15,8 +15,7 @@ from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import Candidate, LanePath
-from lane_dp_ros.core.lanes.lifting import to_lanes
-from lane_dp_ros.core.lanes.mono_fallback import mono_lanes
+from lane_dp_ros.core.lanes.lifting import to_lanes, to_road_edges
 from lane_dp_ros.core.road.disparity import dense_disparity
 from lane_dp_ros.core.road.road_profile import largest_disparity, plausible_heights, road_profile
 from lane_dp_ros.core.road.vanishing_point import RoadDirection, direction_along, direction_estimator
@@ -115,15 +114,16 @@ class LaneDetector:
             frame, disparity = StereoFrame(frame.left), DisparityMap.unknown(disparity.shape)
         view = RoadView(frame, disparity, road.surface)
         direction, found = self._found(view, prior if road.source == "measured" else NO_PRIOR, rng, watch)
-        lanes, candidates = self._lanes(found, road, prior)
+        lanes = to_lanes(found.lanes, found.paint.view)
         return replace(
             detection,
             lanes=lanes,
+            road_edges=to_road_edges(found.road_edges, found.paint.view),
             direction=self._seen_along(found, direction, road.surface),
             birds_eye=found.paint.view,
             paint_map=found.paint.paint_map,
             paths=found.paths,
-            candidates=candidates,
+            candidates=found.candidates,
             voted="vanishing_point" in watch.seconds,
             note=detection.note or ("" if lanes else f"no lanes among {len(found.paths)} paths"),
         )
@@ -151,17 +151,6 @@ class LaneDetector:
             return found
         again = self._search.along(refined, direction.ipm_plane, road, rng, watch)
         return max(found, again, key=lambda each: each.score)
-
-    def _lanes(
-        self, found: SearchResult, road: RoadEstimate, prior: Prior
-    ) -> tuple[tuple[Lane, ...], tuple[Candidate, ...]]:
-        """Return the lanes of what was found, and all candidates, refused ones with the reason."""
-        view = found.paint.view
-        if road.source == "measured":
-            return to_lanes(found.lanes, view), found.candidates
-        lanes, doubted = mono_lanes(found.lanes, view, prior.lanes, self.config.mono_fallback)
-        refused = {id(each.line): each for each in doubted}
-        return lanes, tuple(refused.get(id(each.line), each) for each in found.candidates)
 
     def _seen_along(
         self, found: SearchResult, direction: RoadDirection, surface: RoadSurface

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
+from lane_dp_ros.core.birdseye.edge_map import EdgeMap, edge_map
 from lane_dp_ros.core.birdseye.paint_map import paint_map_builder
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.config import DetectorConfig
@@ -18,13 +19,13 @@ from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.axis_refinement import AxisRefinement
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine, LanePath, Variant
-from lane_dp_ros.core.lanes.evidence import measure
+from lane_dp_ros.core.lanes.edge_lines import EdgeLineSearch
+from lane_dp_ros.core.lanes.evidence import measure_border, measure_paint
 from lane_dp_ros.core.lanes.line_fit import line_fit
 from lane_dp_ros.core.lanes.path_search import path_search
-from lane_dp_ros.core.lanes.scoring import is_paint_but_for_course, is_pale, needs_height, refusal
-from lane_dp_ros.core.lanes.selection import select_lanes
+from lane_dp_ros.core.lanes.scoring import EvidenceScoring
 from lane_dp_ros.core.lanes.variants.extension import extend_line
-from lane_dp_ros.core.lanes.variants.near_half import near_half
+from lane_dp_ros.core.lanes.variants.near_half import leads_astray, near_half
 from lane_dp_ros.core.lanes.variants.parallel import parallel_lines
 from lane_dp_ros.core.lanes.variants.stop_line import end_at_stop_line
 from lane_dp_ros.core.stopwatch import Stopwatch
@@ -41,6 +42,15 @@ class RoadView:
 
 
 @dataclass(frozen=True, eq=False)
+class _Seen:
+    """Where the evidence for lines is looked up: what looks like paint, like borders, and the pictures."""
+
+    paint: PaintProfile
+    edges: EdgeMap
+    frame: StereoFrame
+
+
+@dataclass(frozen=True, eq=False)
 class SearchResult:
     """What was found along one axis: every candidate, refused ones with the reason, and the lanes of them."""
 
@@ -52,6 +62,11 @@ class SearchResult:
     def lanes(self) -> tuple[Candidate, ...]:
         """The candidates that are lanes, strongest first."""
         return tuple(candidate for candidate in self.candidates if not candidate.refusal)
+
+    @property
+    def road_edges(self) -> tuple[Candidate, ...]:
+        """The candidates that are borders of the carriageway."""
+        return tuple(candidate for candidate in self.candidates if candidate.is_edge)
 
     @property
     def score(self) -> float:
@@ -66,10 +81,12 @@ class LaneSearch:
         self._config = config
         self._paint_map = paint_map_builder(config.paint_map)
         self._paths = path_search(config.path_search)
+        self._edge_lines = EdgeLineSearch(config.path_search)
         self._fit = line_fit(config.lane_model)
+        self._scoring = EvidenceScoring(config.lane_selection)
         self._refinement = AxisRefinement(
             config.axis_refinement,
-            config.lane_selection,
+            self._scoring,
             config.path_search.slope_cost,
             config.vanishing_point.curvature_max,
         )
@@ -98,9 +115,15 @@ class LaneSearch:
             paths = tuple(self._paths.find(paint.paint_map, view.resolution))
         with watch("lane_model"):
             lines = self._lines(paths, paint, rng)
+        if not self._config.lane_selection.evidence:
+            nothing = LaneEvidence(length=0.0, start=0.0, slope=0.0)
+            return SearchResult(paint, paths, tuple(Candidate(line, nothing) for line in lines))
+        with watch("road_edges"):
+            edges = edge_map(view, paint.paint_map.texture)
+            borders = self._edge_lines.find(edges, view)
         with watch("lane_selection"):
-            measured = self._measured(lines, paint, road.frame, "path")
-            candidates = self._selected(measured, paint, road.frame)
+            seen = _Seen(paint, edges, road.frame)
+            candidates = self._selected(self._measured(lines, seen, "path"), borders, seen)
         return SearchResult(paint, paths, candidates)
 
     def refined_axis(self, found: SearchResult) -> RoadAxis | None:
@@ -127,65 +150,37 @@ class LaneSearch:
             lines = [end_at_stop_line(line, paint, blank_cost, config.stop_line) for line in lines]
         return lines
 
-    def _measured(
-        self, lines: Sequence[LaneLine], paint: PaintProfile, frame: StereoFrame, variant: Variant
-    ) -> list[Candidate]:
-        """Return lines with their evidence, refused where that does not speak for paint."""
-        selection, bend = self._config.lane_selection, paint.view.axis.curvature
+    def _measured(self, lines: Sequence[LaneLine], seen: _Seen, variant: Variant) -> list[Candidate]:
+        """Return lines with their evidence for paint, and what that says."""
 
-        def needs(line: LaneLine, evidence: LaneEvidence) -> bool:
+        def needs_height(_: LaneLine, evidence: LaneEvidence) -> bool:
             """Return whether the line's height would decide, too."""
-            return selection.evidence and needs_height(line, evidence, selection)
+            return self._scoring.needs_height(evidence)
 
-        measured = measure(lines, paint, frame, self._config.plane_sweep, needs)
+        measured = measure_paint(lines, seen.paint, seen.edges, seen.frame, needs_height)
         return [
-            Candidate(
-                line,
-                evidence,
-                variant,
-                refusal(line, evidence, selection, bend) if selection.evidence else "",
-            )
+            self._scoring.scored(Candidate(line, evidence, variant))
             for line, evidence in zip(lines, measured, strict=True)
         ]
 
     def _selected(
-        self, candidates: Sequence[Candidate], paint: PaintProfile, frame: StereoFrame
+        self, candidates: Sequence[Candidate], borders: Sequence[LaneLine], seen: _Seen
     ) -> tuple[Candidate, ...]:
-        """Return the candidates, near halves and parallels among them, with the lanes first."""
-        selection = self._config.lane_selection
-        if not selection.evidence:
-            return tuple(candidates)
-        halves = self._near_halves(candidates, paint, frame)
-        painted = [each for each in (*candidates, *halves) if not each.refusal]
-        first = select_lanes(painted, selection)
-        known = [candidate.line for candidate in first.lanes]
-        lines = parallel_lines(known, paint, self._config.parallel, selection)
-        parallels = self._measured(lines, paint, frame, "parallel")
-        rest = [each for each in painted if each not in first.lanes]
-        chosen = select_lanes(
-            [*rest, *(each for each in parallels if not each.refusal)], selection, first.lanes
-        )
-        refused = [each for each in (*candidates, *halves, *parallels) if each.refusal]
-        return (*chosen.lanes, *chosen.refused, *refused)
-
-    def _near_halves(
-        self, candidates: Sequence[Candidate], paint: PaintProfile, frame: StereoFrame
-    ) -> list[Candidate]:
-        """Return the nearer halves of candidates that are too steep or stray, but are paint by all else.
-
-        Refused unless they have enough paint for lines by themselves and are brighter than kerbs are.
-        """
-        selection, blank_cost = self._config.lane_selection, self._config.path_search.blank_cost
-        astray = [
-            each
+        """Return all candidates, near halves, parallels and borders among them, with the lanes first."""
+        halves = [
+            half
             for each in candidates
-            if each.refusal and is_paint_but_for_course(each.line, each.evidence, selection)
+            if leads_astray(each.evidence)
+            and (half := near_half(each.line, seen.paint, self._config.path_search.blank_cost))
         ]
-        halves = [near_half(each.line, paint, blank_cost) for each in astray]
-        long = [half for half in halves if half is not None and half.score >= selection.score_alone]
-        return [
-            each.refused("as pale as kerbs")
-            if not each.refusal and is_pale(each.evidence, selection)
-            else each
-            for each in self._measured(long, paint, frame, "near half")
+        edges = [
+            self._scoring.scored(Candidate(line, evidence, "border"))
+            for line, evidence in zip(borders, measure_border(borders, seen.paint, seen.edges), strict=True)
         ]
+        proposed = [*candidates, *self._measured(halves, seen, "near half"), *edges]
+        chosen = self._scoring.selected(proposed)
+        known = [each.line for each in chosen if not each.refusal]
+        lines = parallel_lines(known, seen.paint, self._config.parallel)
+        if lines:
+            chosen = self._scoring.selected([*proposed, *self._measured(lines, seen, "parallel")])
+        return tuple(sorted(chosen, key=lambda each: (bool(each.refusal), -each.score)))

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.dp.robust_fit import tukey_fit
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneLine
-from lane_dp_ros.core.lanes.scoring import refusal
-from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
+from lane_dp_ros.core.lanes.scoring import EvidenceScoring
 from lane_dp_ros.core.parameter import Parameters, parameter
 
 Floats = NDArray[np.float64]
@@ -52,11 +51,11 @@ class AxisRefinement:
     def __init__(
         self,
         config: AxisRefinementConfig,
-        selection: LaneSelectionConfig,
+        scoring: EvidenceScoring,
         slope_cost: float,
         curvature_max: float,
     ) -> None:
-        self._config, self._selection = config, selection
+        self._config, self._scoring = config, scoring
         self._slope_cost, self._curvature_max = slope_cost, curvature_max
 
     def refine(self, candidates: Sequence[Candidate], axis: RoadAxis) -> RoadAxis | None:
@@ -66,7 +65,7 @@ class AxisRefinement:
         was taken off for the slope. One of unknown height has no say: what stands on the road is drawn out
         into oblique lines in a view from above.
         """
-        lines = [candidate.line for candidate in candidates if _is_paint(candidate, self._selection)]
+        lines = [candidate.line for candidate in candidates if self._is_paint(candidate)]
         slopes = [np.gradient(line.n, line.s) for line in lines]
         weights = [_weight(line, slope, self._slope_cost) for line, slope in zip(lines, slopes, strict=True)]
         heard = [i for i, weight in enumerate(weights) if weight >= self._config.score_min]
@@ -82,11 +81,9 @@ class AxisRefinement:
         curvature = float(np.clip(axis.curvature + b[1], -self._curvature_max, self._curvature_max))
         return RoadAxis(axis.heading + float(np.arctan(b[0])), curvature)
 
-
-def _is_paint(candidate: Candidate, selection: LaneSelectionConfig) -> bool:
-    evidence = candidate.evidence
-    known = bool(np.isfinite(evidence.height))
-    return known and not refusal(candidate.line, replace(evidence, slope=0.0), selection, bend=0.0)
+    def _is_paint(self, candidate: Candidate) -> bool:
+        evidence = candidate.evidence
+        return bool(np.isfinite(evidence.height)) and self._scoring.but_for_course(evidence) > 0
 
 
 def _weight(line: LaneLine, slope: Floats, slope_cost: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[Any]
-Variant = Literal["path", "near half", "parallel"]
+Variant = Literal["path", "near half", "parallel", "border"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,50 +46,74 @@ class LaneLine:
 
 @dataclass(frozen=True)
 class LaneEvidence:
-    """What speaks for and against a line being paint, each in physical units."""
+    """What speaks for and against a line being paint, or a border of the carriageway, in physical units.
 
-    paint_width: float
-    """Width [m] of the bright band at half its contrast."""
-    wide_band_ratio: float
-    """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
-    height: float
-    """Height [m] of the paint above the ground on the vehicle's side of it, NaN where it is not known.
-
-    Where that ground is not known, above the one on the other side, else above the road's surface. It is
-    measured only of lines that all else lets be paint.
+    NaN where it is not known: what needs a second image without one, what needs paint beside the road's border.
     """
-    kerb_step: float
-    """How much higher or lower [m] the ground on the other side is: a kerb's; 0 where it is not known."""
+
+    length: float
+    """Length [m] along the road."""
+    start: float
+    """Where it begins [m] ahead."""
     slope: float
     """Steepest lateral over forward, against the road's axis."""
-    off_paint_fraction: float
+    score: float = np.nan
+    """Net metres of paint."""
+    paint_width: float = np.nan
+    """Width [m] of the bright band at half its contrast."""
+    wide_band_ratio: float = np.nan
+    """Contrast of a 0.45 m band over that of a 0.15 m one: small for a line, near 1 for a verge."""
+    height: float = np.nan
+    """Height [m] of the paint above the ground on the vehicle's side of it.
+
+    Where that ground is not known, above the one on the other side, else above the road's surface. It is
+    measured only of lines whose paint it decides.
+    """
+    kerb_step: float = np.nan
+    """How much higher or lower [m] the ground on the other side is: a kerb's."""
+    off_paint_fraction: float = np.nan
     """Share of the paint that it passes beside: that of one line lies on one smooth curve."""
-    texture: float
+    texture: float = np.nan
     """Texture beside the line, over brightness: asphalt is smooth, grass is not."""
-    contrast: float
+    contrast: float = np.nan
     """Weber contrast of the paint against the road on both sides of it."""
-    saturation_contrast: float
+    saturation_contrast: float = np.nan
     """The same rise as a share of that up to white: in glare even fresh paint has little contrast."""
-    brightness: float
+    brightness: float = np.nan
     """Brightness of the paint over that of the road towards the vehicle, less 1."""
-    longest_segment: float
+    longest_segment: float = np.nan
     """Longest piece of paint [m], short gaps bridged."""
-    dashes: int
+    dashes: int = 0
     """Number of pieces of paint that are long enough to be dashes."""
+    painted: float = np.nan
+    """Share of its length that shows paint."""
+    border: float = np.nan
+    """Share of its length that looks like a border of the carriageway, see `EdgeMap.feature`."""
+    rise: float = np.nan
+    """How much higher [m] the ground behind it is, by the dense disparity."""
+    grey_step: float = np.nan
+    """How much brighter the ground behind it is, over brightness."""
+    texture_step: float = np.nan
+    """By what factor, as a logarithm, the ground behind it is rougher."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A line that may be a lane line, with its evidence; `refusal` says why it is none, empty where it is.
+    """A line that may be a lane line or a border of the carriageway, with its evidence.
 
-    `variant` says what proposed it: a path of the search, the nearer half of another candidate, or a parallel
-    to a lane line.
+    `variant` says what proposed it: a path through the paint, the nearer half of another candidate, a parallel
+    to a lane line, or a path along a border, which is no paint. `log_odds` are those of paint and of border
+    against neither, by its own evidence; `probability` those of either in the light of all other candidates.
+    `refusal` says why it is no lane line, empty where it is; `is_edge`: it is a border.
     """
 
     line: LaneLine
     evidence: LaneEvidence
     variant: Variant = "path"
+    log_odds: tuple[float, float] = (0.0, -np.inf)
+    probability: tuple[float, float] = (1.0, 0.0)
     refusal: str = ""
+    is_edge: bool = False
 
     @property
     def score(self) -> float:

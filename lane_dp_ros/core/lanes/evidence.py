@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What speaks for lines being paint: their cross section, their height, the ground beside them.
+"""What speaks for lines being paint or borders: their cross section, their height, the ground beside them.
 
 All lines of a frame are measured at once: their rows stand one after the other in arrays.
 """
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.birdseye.edge_map import EdgeMap
 from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, runs_of
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
 from lane_dp_ros.core.lanes.cross_section import (
@@ -27,7 +28,7 @@ from lane_dp_ros.core.lanes.cross_section import (
     row_medians,
     wide_band_ratios,
 )
-from lane_dp_ros.core.lanes.plane_sweep import LineHeights, PlaneSweepConfig, line_heights
+from lane_dp_ros.core.lanes.plane_sweep import LineHeights, line_heights
 from lane_dp_ros.core.lanes.segments import Segments
 from lane_dp_ros.core.types import StereoFrame
 
@@ -42,26 +43,60 @@ TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
 DASH = 1.5  # m of paint, at least
 
 
-def measure(
+def measure_paint(
     lines: Sequence[LaneLine],
     paint: PaintProfile,
+    edges: EdgeMap,
     frame: StereoFrame,
-    config: PlaneSweepConfig,
     needs_height: NeedsHeight,
 ) -> list[LaneEvidence]:
-    """Return the evidence for lines in the view of a grey frame.
+    """Return all evidence for lines in the view of a grey frame.
 
     Heights are measured, from both images, of the lines alone of which `needs_height` says so by all their
     other evidence; of the others, and without a right image, they are unknown.
     """
     if not lines:
         return []
-    measured = _without_heights(lines, paint)
+    measured = _with_paint(measure_border(lines, paint, edges), lines, paint)
     needed = [i for i, line in enumerate(lines) if needs_height(line, measured[i])]
-    heights = line_heights([lines[i] for i in needed], paint.view, frame, config)
+    heights = line_heights([lines[i] for i in needed], paint.view, frame)
     for i, found in zip(needed, heights, strict=True):
         measured[i] = _with_height(measured[i], lines[i], found)
     return measured
+
+
+def measure_border(lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMap) -> list[LaneEvidence]:
+    """Return the evidence for lines being borders of the carriageway."""
+    if not lines:
+        return []
+    each = Segments([len(line.rows) for line in lines])
+    rows, n = np.concatenate([line.rows for line in lines]), np.concatenate([line.n for line in lines])
+    cells = edges.cells(paint.view.s[rows], n)
+    painted = each.sum(paint.feature(rows, paint.view.nearest_columns(n)) > PAINTED) / each.lengths
+    border = each.sum(edges.feature[cells]) / each.lengths
+    grey, texture = (each.median(values[cells]) for values in (edges.grey_step, edges.texture_step))
+    rise = _median_of_known(edges.rise[cells], each)
+    return [
+        LaneEvidence(
+            length=line.length,
+            start=float(line.s[0]),
+            slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
+            painted=float(painted[i]),
+            border=float(border[i]),
+            rise=float(rise[i]),
+            grey_step=float(grey[i]),
+            texture_step=float(texture[i]),
+        )
+        for i, line in enumerate(lines)
+    ]
+
+
+def _median_of_known(values: Floats, each: Segments) -> Floats:
+    """Return the median of each line's values that are known, NaN where fewer than half are."""
+    known = np.isfinite(values)
+    enough = each.count(known) * 2 > each.lengths
+    kept = known | ~enough[each.index]
+    return np.where(enough, each.of_kept(kept).median(np.nan_to_num(values[kept])), np.nan)
 
 
 def _with_height(evidence: LaneEvidence, line: LaneLine, heights: LineHeights) -> LaneEvidence:
@@ -69,8 +104,7 @@ def _with_height(evidence: LaneEvidence, line: LaneLine, heights: LineHeights) -
     if row_medians(line.n[None])[0] < 0:
         towards, away = away, towards
     ground = next((height for height in (towards, away) if np.isfinite(height)), 0.0)
-    step = abs(away - heights.line)
-    return replace(evidence, height=heights.line - ground, kerb_step=step if np.isfinite(step) else 0.0)
+    return replace(evidence, height=heights.line - ground, kerb_step=abs(away - heights.line))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +118,10 @@ class _Rows:
     """The cell nearest to `column`."""
 
 
-def _without_heights(lines: Sequence[LaneLine], paint: PaintProfile) -> list[LaneEvidence]:
+def _with_paint(
+    measured: Sequence[LaneEvidence], lines: Sequence[LaneLine], paint: PaintProfile
+) -> list[LaneEvidence]:
+    """Return the evidence with all of it that speaks for paint, but for the heights."""
     view = paint.view
     n = np.concatenate([line.n for line in lines])
     rows = np.concatenate([line.rows for line in lines])
@@ -105,12 +142,11 @@ def _without_heights(lines: Sequence[LaneLine], paint: PaintProfile) -> list[Lan
     for i, line in enumerate(lines):
         runs = runs_of(certain[each.lines.part(i)])
         evidence.append(
-            LaneEvidence(
+            replace(
+                measured[i],
+                score=line.score,
                 paint_width=width[i],
                 wide_band_ratio=float(ratio[i]),
-                height=np.nan,
-                kerb_step=0.0,
-                slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
                 off_paint_fraction=float(off_paint[i]),
                 texture=float(texture[i]),
                 contrast=float(contrast[i]),

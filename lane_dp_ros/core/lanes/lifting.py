@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +15,8 @@ from lane_dp_ros.core.types import Lane, LaneRole, ego_roles
 
 SPACING = 0.25  # m along the axis; on the outside of the sharpest bend points are still within 0.5 m
 MIN_RADIUS = 0.1  # of the axis's; a line nearer to the centre of the bend is none
-DOUBT, SURE = 0.15, 10.0  # share of wrong lines among the weakest; m of paint that leave 1/e of the doubt
+EDGE_WIDTH = 0.1  # m, of the line that is drawn along a road edge
+FAINTEST = 0.01  # of opacity; what is told can be seen
 
 
 def left_to_right(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -29,6 +31,17 @@ def to_lanes(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[Lane,
     return tuple(_lane(candidate, view, role) for candidate, role in zip(ordered, roles, strict=True))
 
 
+def to_road_edges(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[Lane, ...]:
+    """Return the road edges of candidates, from left to right, the nearest on each side with an ego role."""
+    ordered = left_to_right(candidates)
+    roles = ego_roles([float(candidate.line.n[0]) for candidate in ordered])
+    edges = (_lane(candidate, view, role) for candidate, role in zip(ordered, roles, strict=True))
+    return tuple(
+        replace(edge, kind="edge", paint_width=EDGE_WIDTH, confidence=max(candidate.probability[1], FAINTEST))
+        for edge, candidate in zip(edges, ordered, strict=True)
+    )
+
+
 def _lane(candidate: Candidate, view: BirdsEyeView, role: LaneRole) -> Lane:
     line = candidate.line
     first, last = _seen(line, view)
@@ -36,7 +49,7 @@ def _lane(candidate: Candidate, view: BirdsEyeView, role: LaneRole) -> Lane:
     radius = max(1 - view.axis.curvature * float(line.n[0]), MIN_RADIUS)
     return Lane(
         points=view.to_points(s, np.interp(s, line.s, line.n)),
-        confidence=1 - DOUBT * float(np.exp(-line.score / SURE)),
+        confidence=max(candidate.probability[0], FAINTEST),
         paint_width=candidate.evidence.paint_width,
         role=role,
         curvature=view.axis.curvature / radius + line.bend,

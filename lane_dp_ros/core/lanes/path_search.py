@@ -40,7 +40,7 @@ class PathSearchConfig(Parameters):
         1.5, "Metres of paint that make a candidate; for free ends.", unit="m", limits=(0.5, 20.0)
     )
     blank_cost: float = parameter(
-        0.14, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
+        0.12, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
     )
     slope_max: float = parameter(
         0.35,
@@ -49,7 +49,7 @@ class PathSearchConfig(Parameters):
         expert=True,
     )
     slope_cost: float = parameter(
-        4.0,
+        2.0,
         "Metres of paint that a metre of path costs per squared slope; for free ends.",
         limits=(0.0, 100.0),
         expert=True,
@@ -83,6 +83,18 @@ class PathSearchConfig(Parameters):
     max_mean_cost: float = parameter(
         0.65, "epsilon, mean cost along a path that ends the search; for Algorithm 2.", limits=(0.0, 1.0)
     )
+
+
+class SearchGraph(Protocol):
+    """What is searched: how much each node (rows, columns) gains, f in [0, 1], where it is `seen`."""
+
+    @property
+    def feature(self) -> Floats:
+        """How much each node looks like what is searched, in [0, 1]."""
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Nodes of which that is known."""
 
 
 class PathSearch(Protocol):
@@ -144,8 +156,8 @@ class FreeEndSearch:
     def __init__(self, config: PathSearchConfig) -> None:
         self._config = config
 
-    def find(self, paint_map: PaintMap, resolution: tuple[float, float]) -> list[LanePath]:
-        """See `PathSearch`."""
+    def find(self, paint_map: SearchGraph, resolution: tuple[float, float]) -> list[LanePath]:
+        """See `PathSearch`; any graph will do."""
         passes = _FreeEndPasses(paint_map, resolution, self._config)
         for _ in range(self._config.passes):
             if not passes.run():
@@ -161,19 +173,17 @@ def path_search(config: PathSearchConfig) -> PathSearch:
 class _FreeEndPasses:
     """The state of the repeated search with free ends. Rows run from near to far in here."""
 
-    def __init__(
-        self, paint_map: PaintMap, resolution: tuple[float, float], config: PathSearchConfig
-    ) -> None:
+    def __init__(self, graph: SearchGraph, resolution: tuple[float, float], config: PathSearchConfig) -> None:
         per_row, self.per_column = resolution
         self.config = config
         self.step = max(1, round(SEGMENT / per_row))
         self.segment = self.step * per_row
         self.max_slope = int(config.slope_max * self.segment / self.per_column + 1e-6)
-        self.rows = len(paint_map.feature)
+        self.rows = len(graph.feature)
         blocks = self.rows // self.step
-        gain = paint_gain(paint_map.feature, config.blank_cost)
-        self.reward = np.where(paint_map.seen, gain, 0).astype(np.float32)[::-1].copy()
-        self.taken = np.zeros((blocks, paint_map.feature.shape[1]), bool)
+        gain = paint_gain(graph.feature, config.blank_cost)
+        self.reward = np.where(graph.seen, gain, 0).astype(np.float32)[::-1].copy()
+        self.taken = np.zeros((blocks, graph.feature.shape[1]), bool)
         slopes = np.arange(-self.max_slope, self.max_slope + 1) * self.per_column / self.segment
         self.slope_cost = (config.slope_cost * self.segment * slopes**2).astype(np.float32)
         self.found: list[LanePath] = []

@@ -21,7 +21,6 @@ from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.segments import Segments
-from lane_dp_ros.core.parameter import Parameters, parameter
 from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
@@ -41,19 +40,8 @@ PARTS = (  # of the samples across: the line, the ground to the left, to the rig
 MIN_ROWS = 10  # of samples across the line; with fewer a height is chance
 GAIN = 0.5, 2.0  # of the left camera over the right one
 OUTLIER = 20.0  # grey levels; more difference counts no more
+DISTINCT = 0.3  # the planes' median difference exceeds the least by this share; with less a height is chance
 NOISE = 0.5  # grey levels; less difference is none
-
-
-@dataclass(frozen=True)
-class PlaneSweepConfig(Parameters):
-    """The heights along lines."""
-
-    distinctness_min: float = parameter(
-        0.3,
-        "How much, of the least difference, the median of all planes' differences is more; less is chance.",
-        limits=(0.0, 2.0),
-        expert=True,
-    )
 
 
 @dataclass(frozen=True)
@@ -68,9 +56,7 @@ class LineHeights:
     right: float = np.nan
 
 
-def line_heights(
-    lines: Sequence[LaneLine], view: BirdsEyeView, frame: StereoFrame, config: PlaneSweepConfig
-) -> list[LineHeights]:
+def line_heights(lines: Sequence[LaneLine], view: BirdsEyeView, frame: StereoFrame) -> list[LineHeights]:
     """Return the heights along lines in the view of a grey frame; unknown of a short, far, or mono one."""
     found = [LineHeights()] * len(lines)
     places = [np.arange(line.s[0], min(line.s[-1], FAR), ALONG) for line in lines]
@@ -91,7 +77,6 @@ def line_heights(
             right[:, :, part],
             np.asarray(seen[:, part].all(axis=1)),
             lines_of_rows,
-            config.distinctness_min,
         )
         for part in PARTS
     ]
@@ -122,9 +107,7 @@ def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> NDArray[np.float
     return np.stack([cv2.remap(image, plane, v, cv2.INTER_LINEAR) for plane in u]).astype(np.float32)
 
 
-def _heights(
-    left: Floats, right: Floats, seen: NDArray[np.bool_], lines: Segments, distinct: float
-) -> NDArray[np.float64]:
+def _heights(left: Floats, right: Floats, seen: NDArray[np.bool_], lines: Segments) -> NDArray[np.float64]:
     """Return, of each line, the height [m] at which the right image fits the left one best, or NaN.
 
     `left` (rows, columns) and `right` (planes, rows, columns) hold the rows of all `lines`; rows count that
@@ -143,12 +126,12 @@ def _heights(
     right -= left
     np.minimum(np.abs(right, out=right), np.float32(OUTLIER), out=right)
     difference = lines.sum(right.sum(axis=2)) / np.maximum(counts * left.shape[1], 1)
-    heights = _best_heights(difference, distinct)
+    heights = _best_heights(difference)
     heights[counts < MIN_ROWS] = np.nan
     return heights
 
 
-def _best_heights(difference: Floats, distinct: float) -> NDArray[np.float64]:
+def _best_heights(difference: Floats) -> NDArray[np.float64]:
     """Return, of each line, the height [m] where difference (planes, lines) is least, NaN unless distinct."""
     best = difference.argmin(axis=0)
     line = np.arange(len(best))
@@ -157,5 +140,5 @@ def _best_heights(difference: Floats, distinct: float) -> NDArray[np.float64]:
     before, middle, after = (difference[inside + k, line] for k in (-1, 0, 1))
     curved = np.where(inside == best, np.maximum(before - 2 * middle + after, 1e-9), 1.0)
     heights = PLANES[best] + np.where(inside == best, 0.5 * STEP * (before - after) / curved, 0.0)
-    known = (best > 0) & (median >= (1 + distinct) * np.maximum(least, NOISE))
+    known = (best > 0) & (median >= (1 + DISTINCT) * np.maximum(least, NOISE))
     return np.where(known, heights, np.nan)

@@ -26,6 +26,11 @@ class Segments:
         return len(self._counts)
 
     @property
+    def lengths(self) -> NDArray[np.intp]:
+        """Return how many values (N,) each line has."""
+        return self._counts
+
+    @property
     def index(self) -> NDArray[np.intp]:
         """Return the line (N,) that each value is of."""
         return np.repeat(np.arange(len(self)), self._counts)

@@ -15,7 +15,6 @@ from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, paint_gain
 from lane_dp_ros.core.dp.robust_fit import tukey_fit
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
-from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.parameter import Parameters, check_order, parameter
 
 Floats = NDArray[np.float64]
@@ -56,6 +55,8 @@ class ParallelConfig(Parameters):
         limits=(0.5, 20.0),
         expert=True,
     )
+    lane_width_min: float = parameter(2.5, "Narrowest lane.", unit="m", limits=(1.0, 4.0), expert=True)
+    lane_width_max: float = parameter(4.3, "Widest lane.", unit="m", limits=(2.0, 8.0), expert=True)
     ego_max: float = parameter(
         3.0,
         "How far aside the own lane's border can be.",
@@ -67,11 +68,10 @@ class ParallelConfig(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_order(self, "parallel", "contrast_min", "contrast_max")
+        check_order(self, "parallel", "lane_width_min", "lane_width_max")
 
 
-def parallel_lines(
-    lines: Sequence[LaneLine], paint: PaintProfile, config: ParallelConfig, selection: LaneSelectionConfig
-) -> list[LaneLine]:
+def parallel_lines(lines: Sequence[LaneLine], paint: PaintProfile, config: ParallelConfig) -> list[LaneLine]:
     """Return faint lines that run parallel to the strongest of `lines` where the own lane lacks a border.
 
     Each lies one lane's width from a given line, on a side of the vehicle that has none; strongest first.
@@ -83,7 +83,7 @@ def parallel_lines(
     strongest = max(lines, key=lambda line: line.score)
     shape = np.interp(view.s, strongest.s, strongest.n) - strongest.n[0]
     offsets = [float(np.median(line.n - np.interp(line.s, view.s[::-1], shape[::-1]))) for line in lines]
-    missing = [side for side in (-1, 1) if not any(0 < side * n < selection.lane_width_max for n in offsets)]
+    missing = [side for side in (-1, 1) if not any(0 < side * n < config.lane_width_max for n in offsets)]
     if not missing:
         return []
     gain = _gain(paint, shape, config)
@@ -98,7 +98,7 @@ def parallel_lines(
         if len(rows) < MIN_ROWS:
             continue
         if any(0 < side * n < config.ego_max for side in missing) and (
-            selection.lane_width_min <= min(gaps) <= selection.lane_width_max
+            config.lane_width_min <= min(gaps) <= config.lane_width_max
         ):
             found.append(_fitted(paint, rows, n + shape[rows], float(score[column])))
             offsets.append(float(n))
