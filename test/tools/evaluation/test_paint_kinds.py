@@ -84,7 +84,7 @@ def test_what_is_not_told_is_neither_right_nor_wrong():
 def test_only_found_lines_that_had_to_be_are_counted():
     found = judged(RENDERED, replace(LANE, kind="solid", colour="white"))
     unsure = judged(replace(LABEL, sure=False), replace(LANE, kind="dashed"))
-    missed = judged(LABEL, replace(LANE, points=POINTS + [0.5, 0, 0], kind="dashed"))
+    missed = judged(LABEL, replace(LANE, points=POINTS + np.array([0.5, 0, 0]), kind="dashed"))
     edge = judged(replace(LABEL, kind="edge"), replace(LANE, kind="solid"))
     paint = summarise([found, unsure, missed, edge]).paint
     assert paint == PaintSummary(Counter({("solid", "solid"): 1}), Counter({("white", "white"): 1}))
