@@ -57,16 +57,18 @@ class JudgedCandidate:
 
 
 def judged_candidates(pair: JudgedPair, config: DetectorConfig) -> Iterator[JudgedCandidate]:
-    """Yield every candidate of a pair, by itself, those that are published first."""
+    """Yield every candidate of a pair, by itself, those that are published first, none beyond the labels."""
     detection = pair.detected(config)
     published = [each for each in detection.candidates if not each.refusal]
     published.sort(key=lambda candidate: float(candidate.line.n[0]))  # as the lanes are
     for candidate, judged in zip(published, pair.judged(detection.lanes).detections, strict=True):
-        yield _judged(pair, candidate, judged)
+        if judged.verdict != "beyond":
+            yield _judged(pair, candidate, judged)
     for candidate in detection.candidates:
         if candidate.refusal:
             (judged,) = pair.judged((lane_of(candidate, detection),)).detections
-            yield _judged(pair, candidate, judged)
+            if judged.verdict != "beyond":
+                yield _judged(pair, candidate, judged)
 
 
 def _judged(pair: JudgedPair, candidate: Candidate, judged: JudgedLine) -> JudgedCandidate:

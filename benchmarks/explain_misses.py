@@ -24,7 +24,7 @@ from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.annotations import Label, by_depth
-from lane_dp_ros.tools.evaluation.matching import END_SLACK
+from lane_dp_ros.tools.evaluation.assignment import END_SLACK
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.progress import progress
 

@@ -21,7 +21,7 @@ from study_runner import drive_pairs
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.pipeline import LanePipeline
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.tools.evaluation.matching import JITTER_DEPTH
+from lane_dp_ros.tools.evaluation.assignment import JITTER_DEPTH
 from lane_dp_ros.tools.evaluation.stability import JITTER_FRAMES, deviations
 
 DRIVES = ("01", "02")

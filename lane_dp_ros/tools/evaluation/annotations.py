@@ -30,8 +30,8 @@ class Label:
     Both run along the centre of the paint; `xz` with rising z. `id` stays the same along a sequence.
     `sure` is False where a careful person could not tell whether, or where exactly, there is a line.
     `xyz` (K, 3) [m], where it is known, are its exact points in the left optical frame, with rising z.
-    `colour` is that of the paint, empty where it is not known, and `width` [m] that of the paint, None where
-    it is not known. `double`: it is two lines side by side, both along `uv`, the middle between them.
+    The rest is None or empty where it is not known: `colour` and `width` [m] of the paint; `double`, whether
+    it is one of two lines side by side, which are both labelled; `border`, what ends the road at an edge.
     """
 
     id: str
@@ -41,8 +41,9 @@ class Label:
     xz: Floats
     xyz: Floats | None = None
     colour: PaintColour = ""
-    double: bool = False
     width: float | None = None
+    double: bool | None = None
+    border: str = ""
 
     @property
     def painted(self) -> bool:

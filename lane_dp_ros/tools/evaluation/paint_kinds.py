@@ -32,12 +32,11 @@ class PaintComparison(NamedTuple):
 def compare_paint(label: Label, lane: Lane) -> PaintComparison:
     """Return what a label and the lane that matches it tell of the paint.
 
-    A label that tells neither colour nor width was made by hand, and hand-made labels know no double lines:
-    they are of one of the two. There a double line counts as the label's kind where one of its sides is that.
+    A label that does not tell whether it is double, as those made by hand, may be one of two lines: there a
+    double line counts as the label's kind where one of its sides is of that kind.
     """
-    by_hand = not label.colour and label.width is None
     kind: str = lane.kind
-    if by_hand and lane.kind == "double" and lane.sides is not None and label.kind in lane.sides:
+    if label.double is None and lane.kind == "double" and lane.sides is not None and label.kind in lane.sides:
         kind = label.kind
     true_kind = "double" if label.double else label.kind
     return PaintComparison(true_kind, kind, label.colour, lane.colour)

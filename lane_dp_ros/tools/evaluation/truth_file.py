@@ -24,7 +24,7 @@ CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
 TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
 LARGEST = 1e6  # of any number in a truth
 NEAREST = 0.1  # m; no road is nearer to a camera
-WIDEST = 2.0  # m of paint across; no line is wider
+WIDEST = 2.0  # m; no lane line is wider
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
 
 
@@ -90,11 +90,14 @@ def _lane_text(label: Label) -> str:
     }
     if label.xyz is not None:
         points["xyz"] = np.round(label.xyz, METRE_DIGITS).tolist()
-    paint: dict[str, Any] = {"colour": label.colour, "double": bool(label.double)}
+    said: dict[str, Any] = {
+        name: getattr(label, name) for name in ("colour", "border") if getattr(label, name)
+    }
     if label.width is not None:
-        paint["width"] = round(float(label.width), METRE_DIGITS)
-    known = {name: value for name, value in paint.items() if value}
-    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **known, **points})
+        said["width"] = round(float(label.width), METRE_DIGITS)
+    if label.double is not None:
+        said["double"] = bool(label.double)
+    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **said, **points})
 
 
 def _without_repeats(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -150,15 +153,20 @@ def _label(fields: dict[str, Any]) -> Label:
 
 
 def _paint(fields: dict[str, Any], where: str) -> dict[str, Any]:
-    """Return what is told of a line's paint: its colour, whether it is double, its width [m]."""
-    colour, width = fields.get("colour", ""), fields.get("width")
-    if colour not in COLOURS:
-        known = ", ".join(filter(None, COLOURS))
-        raise ValueError(f"{where} is of colour {colour!r}, expected one of {known}, or none")
-    if width is not None and not (isinstance(width, int | float) and 0 < width <= WIDEST):
-        raise ValueError(f"{where} has the width {width!r}, expected metres above 0, at most {WIDEST:g}")
-    double = bool(fields.get("double", False))
-    return {"colour": colour, "double": double, "width": None if width is None else float(width)}
+    """Return what a line's object says of its paint, or of the border that it is; all may be missing."""
+    colour, width, double = (fields.get(name) for name in ("colour", "width", "double"))
+    if colour is not None and colour not in COLOURS:
+        raise ValueError(f"{where}: colour is {colour!r}, expected white or yellow")
+    if width is not None and not 0 < (width := float(width)) <= WIDEST:
+        raise ValueError(f"{where}: width is {width:.4g}, expected more than 0 and at most {WIDEST:g} m")
+    if double not in (None, True, False):
+        raise ValueError(f"{where}: double is {double!r}, expected true or false")
+    return {
+        "colour": colour or "",
+        "width": width,
+        "double": double,
+        "border": str(fields.get("border") or ""),
+    }
 
 
 def _profile(fields: dict[str, Any]) -> Floats | None:

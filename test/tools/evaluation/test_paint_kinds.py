@@ -26,7 +26,7 @@ CAMERA = StereoCamera(700.0, 700.0, 600.0, 180.0, 0.54)
 GROUND = np.array([0.0, 100 * 0.54 / 1.65, 0.0, 0.0])  # a plane 1.65 m below the camera
 POINTS = np.array([[-1.8, 1.65, z] for z in range(5, 31)], dtype=float)
 LABEL = Label("L", "solid", True, CAMERA.project(POINTS), POINTS[:, [0, 2]])
-RENDERED = replace(LABEL, colour="white", width=0.15)
+RENDERED = replace(LABEL, colour="white", width=0.15, double=False)
 LANE = Lane(POINTS, 0.9, 0.12, "ego_left", 0.0, -1.8)
 
 
@@ -46,7 +46,7 @@ def test_a_double_line_is_of_that_kind_whatever_its_sides():
 
 
 def test_labels_by_hand_know_no_double_lines():
-    """One of the two sides is what was labelled; where neither is of its kind, the detection is wrong."""
+    """One of the two lines is what was labelled; where neither is of its kind, the detection is wrong."""
     assert compared(LABEL, kind="double", sides=("dashed", "solid"))[:2] == ("solid", "solid")
     assert compared(LABEL, kind="double", sides=("dashed", "dashed"))[:2] == ("solid", "double")
     assert compared(LABEL, kind="double")[:2] == ("solid", "double")
@@ -84,7 +84,7 @@ def test_what_is_not_told_is_neither_right_nor_wrong():
 def test_only_found_lines_that_had_to_be_are_counted():
     found = judged(RENDERED, replace(LANE, kind="solid", colour="white"))
     unsure = judged(replace(LABEL, sure=False), replace(LANE, kind="dashed"))
-    missed = judged(LABEL, replace(LANE, points=POINTS + [0.5, 0, 0], kind="dashed"))
+    missed = judged(LABEL, replace(LANE, points=POINTS + np.array([0.5, 0, 0]), kind="dashed"))
     edge = judged(replace(LABEL, kind="edge"), replace(LANE, kind="solid"))
     paint = summarise([found, unsure, missed, edge]).paint
     assert paint == PaintSummary(Counter({("solid", "solid"): 1}), Counter({("white", "white"): 1}))

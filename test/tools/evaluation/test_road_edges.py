@@ -64,7 +64,7 @@ def test_the_mean_over_its_points_counts():
     frame = LabelledFrame("a/0", CAMERA, (1200, 370), GROUND, (PAINT,), None, None)
     for shift, verdict in ((0.0, "beyond"), (-1.1, "false")):
         (detection,) = judge(
-            frame, [Lane(slanting + [shift, 0, 0], 1, 0.1, "other", 0, 0)], CAMERA
+            frame, [Lane(slanting + np.array([shift, 0, 0]), 1, 0.1, "other", 0, 0)], CAMERA
         ).detections
         assert detection.verdict == verdict
 

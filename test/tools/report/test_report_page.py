@@ -212,7 +212,7 @@ def test_road_edges_and_kinds_of_paint(tmp_path, frames, results, empty_bag):
     frame = replace(frames[0], labels=labels, ego_right=None)
     found = [detection.lane for detection in results[0].detections]
     on_left, on_right, _ = found
-    astray = replace(on_right, points=on_right.points + [2.0, 0, 0])
+    astray = replace(on_right, points=on_right.points + np.array([2.0, 0, 0]))
     told = replace(on_left, kind="dashed", colour="white")
     result = judge(frame, [told, on_right], CAMERA, road_edges=[on_right, astray])
     page = Parsed(write_report([result], [frame], empty_bag, tmp_path / "r").read_text(encoding="utf-8"))
