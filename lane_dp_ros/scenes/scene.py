@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.scenes.course import Course
-from lane_dp_ros.scenes.lane_truth import fitted_ground, lane_labels
+from lane_dp_ros.scenes.edge_truth import edge_labels
+from lane_dp_ros.scenes.lane_truth import lane_labels
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.objects import SceneObject
 from lane_dp_ros.scenes.rendering import render
 from lane_dp_ros.scenes.road import Road
 from lane_dp_ros.scenes.road_ahead import profile_ahead
+from lane_dp_ros.scenes.seen_part import fitted_ground
 from lane_dp_ros.scenes.sensor import Sensor, expose
 from lane_dp_ros.scenes.view import Pose, View
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
@@ -112,13 +114,14 @@ def render_frame(
         expose(light, view, scene.sensor, noise) for light, view in zip(lights, views, strict=True)
     )
     labels, egos = lane_labels(views[0], surfaces[0], left)
+    edges = edge_labels(views[0], surfaces[0], left, scene.objects)
     stamp_ns = first_stamp_ns + round(time * 1e9)
     truth = LabelledFrame(
         name=f"{category}/{index:02d}",
         camera=CAMERA,
         size=SIZE,
         ground=fitted_ground(views[0], surfaces[0]),
-        labels=labels,
+        labels=(*labels, *edges),
         ego_left=egos[0],
         ego_right=egos[1],
         stamp_ns=stamp_ns,

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.types import PaintColour
 
 Floats = NDArray[np.float64]
 Kind = Literal["solid", "dashed", "edge"]  # edge: the border of a road without paint
 KINDS: tuple[str, ...] = get_args(Kind)
+COLOURS: tuple[str, ...] = get_args(PaintColour)
 
 JUDGED_DEPTHS = (6.0, 25.0)  # m; nearer the camera sees no road, farther a hand-made label is not sure enough
 MIN_LABEL_LENGTH = 3.0  # m within the judged depths
@@ -28,6 +30,8 @@ class Label:
     Both run along the centre of the paint; `xz` with rising z. `id` stays the same along a sequence.
     `sure` is False where a careful person could not tell whether, or where exactly, there is a line.
     `xyz` (K, 3) [m], where it is known, are its exact points in the left optical frame, with rising z.
+    The rest is None or empty where it is not known: `colour` and `width` [m] of the paint; `double`, whether
+    it is one of two lines side by side, which are both labelled; `border`, what ends the road at an edge.
     """
 
     id: str
@@ -36,6 +40,10 @@ class Label:
     uv: Floats
     xz: Floats
     xyz: Floats | None = None
+    colour: PaintColour = ""
+    width: float | None = None
+    double: bool | None = None
+    border: str = ""
 
     @property
     def painted(self) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.tools.evaluation.annotations import KINDS, Kind, Label, LabelledFrame, by_depth
+from lane_dp_ros.tools.evaluation.annotations import COLOURS, KINDS, Kind, Label, LabelledFrame, by_depth
 
 __all__ = ["KINDS", "Kind", "Label", "LabelledFrame", "by_depth", "load_truth", "save_truth"]
 
@@ -24,6 +24,7 @@ CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
 TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
 LARGEST = 1e6  # of any number in a truth
 NEAREST = 0.1  # m; no road is nearer to a camera
+WIDEST = 2.0  # m; no lane line is wider
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
 
 
@@ -89,7 +90,14 @@ def _lane_text(label: Label) -> str:
     }
     if label.xyz is not None:
         points["xyz"] = np.round(label.xyz, METRE_DIGITS).tolist()
-    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **points})
+    said: dict[str, Any] = {
+        name: getattr(label, name) for name in ("colour", "border") if getattr(label, name)
+    }
+    if label.width is not None:
+        said["width"] = round(float(label.width), METRE_DIGITS)
+    if label.double is not None:
+        said["double"] = bool(label.double)
+    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **said, **points})
 
 
 def _without_repeats(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -141,7 +149,24 @@ def _label(fields: dict[str, Any]) -> Label:
     if xyz is not None and len(xyz) < 2:
         raise ValueError(f"{where}: xyz has {len(xyz)} points, expected at least 2")
     exact = None if xyz is None else by_depth(xyz)
-    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz), exact)
+    return Label(identity, kind, bool(fields["sure"]), uv, by_depth(xz), exact, **_paint(fields, where))
+
+
+def _paint(fields: dict[str, Any], where: str) -> dict[str, Any]:
+    """Return what a line's object says of its paint, or of the border that it is; all may be missing."""
+    colour, width, double = (fields.get(name) for name in ("colour", "width", "double"))
+    if colour is not None and colour not in COLOURS:
+        raise ValueError(f"{where}: colour is {colour!r}, expected white or yellow")
+    if width is not None and not 0 < (width := float(width)) <= WIDEST:
+        raise ValueError(f"{where}: width is {width:.4g}, expected more than 0 and at most {WIDEST:g} m")
+    if double not in (None, True, False):
+        raise ValueError(f"{where}: double is {double!r}, expected true or false")
+    return {
+        "colour": colour or "",
+        "width": width,
+        "double": double,
+        "border": str(fields.get("border") or ""),
+    }
 
 
 def _profile(fields: dict[str, Any]) -> Floats | None:

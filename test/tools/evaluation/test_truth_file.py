@@ -94,6 +94,32 @@ def test_exact_points_and_rows_come_back(tmp_path):
     ]
 
 
+def test_what_is_known_of_the_paint_comes_back(tmp_path):
+    known = [
+        {"id": "L", "colour": "yellow", "width": 0.12, "double": True},
+        {"id": "R", "colour": "white", "width": 0.25, "double": False},
+        {"id": "E", "kind": "edge", "border": "kerb"},
+        {"id": "old"},
+    ]
+    lanes = [{**LANE, **each} for each in known]
+    save_truth(load_truth(written(tmp_path, {"a/1": {**FIELDS, "lanes": lanes}})), tmp_path / "saved.json")
+    (frame,) = load_truth(tmp_path / "saved.json")
+    said = [(label.colour, label.width, label.double, label.border) for label in frame.labels]
+    assert said == [
+        ("yellow", 0.12, True, ""),
+        ("white", 0.25, False, ""),
+        ("", None, None, "kerb"),
+        ("", None, None, ""),
+    ]
+    lines = json.loads((tmp_path / "saved.json").read_text())["a/1"]["lanes"]
+    assert [sorted({"colour", "width", "double", "border"} & set(line)) for line in lines] == [
+        ["colour", "double", "width"],
+        ["colour", "double", "width"],
+        ["border"],
+        [],
+    ]
+
+
 def test_a_failed_save_leaves_the_file(tmp_path):
     path = written(tmp_path, {"a/1": FIELDS})
     before = path.read_bytes()
@@ -140,6 +166,12 @@ def test_what_is_wrong_in_a_file_is_named(tmp_path, text, message):
             r"line 'L': xz holds values that are not finite numbers \(NaN\?\)",
         ),
         ({"uv": [[0, float("inf")]]}, "line 'L': uv holds values that are not finite"),
+        ({"colour": "blue"}, "line 'L': colour is 'blue', expected white or yellow"),
+        ({"width": 0}, "line 'L': width is 0, expected more than 0 and at most 2 m"),
+        ({"width": float("nan")}, "line 'L': width is nan, expected"),
+        ({"width": 12}, "line 'L': width is 12, expected"),
+        ({"double": "yes"}, "line 'L': double is 'yes', expected true or false"),
+        ({"double": 2}, "line 'L': double is 2, expected true or false"),
         ({"xz": [[0, 6]]}, "line 'L': xz has 1 points, expected at least 2"),
         ({"uv": [1, 2, 3]}, r"line 'L': uv is no list of \[a, b\] points"),
         ({"xyz": [[0, 6], [0, 9], [0, 12]]}, r"line 'L': xyz is no list of \[a, b, c\] points"),
