@@ -20,6 +20,7 @@ from lane_dp_ros.scenes.view import View
 from lane_dp_ros.scenes.visibility import visible_border
 from lane_dp_ros.tools.evaluation.annotations import Label
 
+GUTTER = 0.2  # [m] wide at least is what lies along a border to be a gutter
 GUTTER_GAP = 0.05  # [m] from a gutter to the road's border, at most
 
 
@@ -66,12 +67,8 @@ def _what_ends(road: Road, n: float) -> str:
     """Return what ends the asphalt at its border n [m]: a kerb, a gutter, the verge."""
     if road.kerb:
         return "kerb"
-    gutters = (
-        at
-        for at, strip in road.strips
-        if strip.colour == "concrete" and abs(abs(at - n) - strip.width / 2) < GUTTER_GAP
-    )
-    return "gutter" if any(True for _ in gutters) else "verge"
+    outer = (abs(abs(at - n) - strip.width / 2) for at, strip in road.strips if strip.width >= GUTTER)
+    return "gutter" if min(outer, default=np.inf) < GUTTER_GAP else "verge"
 
 
 def _label(

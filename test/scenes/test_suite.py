@@ -13,7 +13,6 @@ from lane_dp_ros.scenes.categories import CATEGORIES
 from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.lane_truth import lane_labels
 from lane_dp_ros.scenes.light import Light
-from lane_dp_ros.scenes.marking_categories import MARKING_CATEGORIES
 from lane_dp_ros.scenes.rendering import render
 from lane_dp_ros.scenes.road import DASHED, SOLID, UNPAINTED, Line
 from lane_dp_ros.scenes.scene import Motion, Scene, render_frame
@@ -75,7 +74,7 @@ def test_the_truth_lies_on_the_middle_of_the_paint(name, most):
     assert np.percentile(errors, 90) < most
 
 
-@pytest.mark.parametrize("name", [name for name in MARKING_CATEGORIES if name.startswith("no_paint")])
+@pytest.mark.parametrize("name", [name for name in CATEGORIES if name.startswith("no_paint")])
 def test_a_road_without_paint_has_no_lines(name):
     scene = Drive(name).scene()
     view, surface, picture = left_view(scene)
