@@ -16,7 +16,7 @@ from lane_dp_ros.scenes.category_parts import (
     side,
     weather,
 )
-from lane_dp_ros.scenes.distractors import DISTRACTORS, Lay, footpath, light_strip
+from lane_dp_ros.scenes.distractors import DISTRACTORS, Lay, concrete_joints, footpath_border, light_strip
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.road import DASHED, SOLID, UNPAINTED, Line, Road
 from lane_dp_ros.scenes.scene import Scene
@@ -27,6 +27,10 @@ from lane_dp_ros.scenes.wall_shapes import Verge
 
 CENTRE_LINES = (DASHED, NARROW_DASHED, LONG_DASHED, SOLID, Line(width=0.12))
 EDGE_LINES = (SOLID, Line(width=0.12), EDGE, UNPAINTED)
+
+BOTH = ("light_strip", "ghost_lines", "crack_sealing", "concrete_joints", "light_gutter")
+BESIDE_LINES = (*BOTH, "cracks", "footpath_border")  # and tram rails, among the markings
+WITHOUT_LINES = (*BOTH, "tram_rails")  # and cracks, there too
 
 
 def any_road(rng: Rng) -> Road:
@@ -51,15 +55,15 @@ def unpainted(road: Road) -> Road:
     return replace(road, lines=(UNPAINTED,) * len(road.lines), more_lines=())
 
 
-def _with(*laid: Lay, painted: bool = True) -> Make:
-    """Return the category of any road with these distractors on it."""
+def _with(lay: Lay, painted: bool = True) -> Make:
+    """Return the category of any road with a distractor on it."""
 
     def make(rng: Rng) -> Scene:
-        """Make the road, lay the distractors on it."""
-        road = any_road(rng)
-        for lay in laid:
-            road = lay(rng, road if painted else unpainted(road))
-        return Scene(road, weather(rng), motion=drive(rng))
+        """Make the road and lay the distractor on it."""
+        road = any_road(rng) if painted else unpainted(any_road(rng))
+        if lay is concrete_joints:
+            road = replace(road, asphalt=float(rng.uniform(142, 172)))
+        return Scene(lay(rng, road), weather(rng), motion=drive(rng))
 
     return make
 
@@ -73,7 +77,8 @@ def _no_paint_slush(rng: Rng) -> Scene:
 
 
 def _winter(rng: Rng, road: Road) -> Scene:
-    """Return a road with slush on it under a grey sky."""
+    """Return a road with slush on it, wet and dark, under a grey sky."""
+    road = replace(road, asphalt=float(rng.uniform(66, 86)))
     light = Light(sky=float(rng.uniform(0.8, 1.0)), wetness=float(rng.uniform(0.0, 0.35)), haze_length=200.0)
     return Scene(DISTRACTORS["slush"](rng, road), light, motion=drive(rng, speed=10.0))
 
@@ -122,29 +127,16 @@ def _no_paint_traffic_island(rng: Rng) -> Scene:
 
 def _no_paint_footpath(rng: Rng) -> Scene:
     """A path on one side; on the other one, too, or a trench before it."""
-    road = footpath(rng, unpainted(any_road(rng)))
-    road = footpath(rng, road) if side(rng) > 0 else light_strip(rng, road)
+    road = footpath_border(rng, unpainted(any_road(rng)))
+    road = footpath_border(rng, road) if side(rng) > 0 else light_strip(rng, road)
     return Scene(road, weather(rng), motion=drive(rng))
 
 
 DISTRACTOR_CATEGORIES: dict[str, Make] = {
-    **{name: _with(DISTRACTORS[name]) for name in ("light_strip", "ghost_lines")},
+    **{name: _with(DISTRACTORS[name]) for name in BESIDE_LINES},
     "slush": _slush,
     "wet_reflections": _wet_reflections,
-    **{name: _with(DISTRACTORS[name]) for name in ("cracks", "crack_sealing", "concrete_joints")},
-    "footpath_border": _with(footpath),
-    "light_gutter": _with(DISTRACTORS["light_gutter"]),
-    **{
-        f"no_paint_{name}": _with(DISTRACTORS[name], painted=False)
-        for name in (
-            "light_strip",
-            "ghost_lines",
-            "tram_rails",
-            "crack_sealing",
-            "concrete_joints",
-            "light_gutter",
-        )
-    },
+    **{f"no_paint_{name}": _with(DISTRACTORS[name], painted=False) for name in WITHOUT_LINES},
     "no_paint_slush": _no_paint_slush,
     "no_paint_wet_reflections": _no_paint_wet_reflections,
     "no_paint_traffic_island": _no_paint_traffic_island,

@@ -47,7 +47,7 @@ def light_strip(rng: Rng, road: Road) -> Road:
 
 
 def slush(rng: Rng, road: Road) -> Road:
-    """Lay ridges of snow between the wheel tracks of a wet road, some over its lines; snow on its verge."""
+    """Lay ridges of snow between the wheel tracks of a road, some over its lines, and snow on its verge."""
     left, right = road.borders
     middles = (road.offsets[1:] + road.offsets[:-1]) / 2
     between = [(n, float(rng.uniform(0.2, 0.6))) for n in middles.tolist()]
@@ -59,7 +59,6 @@ def slush(rng: Rng, road: Road) -> Road:
     return replace(
         road,
         covers=(*road.covers, *ridges, *banks),
-        asphalt=min(road.asphalt, float(rng.uniform(66, 86))),
         snow=float(rng.uniform(0.6, 1.1)),
     )
 
@@ -114,29 +113,27 @@ def crack_sealing(rng: Rng, road: Road) -> Road:
 
 
 def concrete_joints(rng: Rng, road: Road) -> Road:
-    """Make a road of slabs of several tones, with joints along and across it, dark or filled pale."""
-    asphalt = float(rng.uniform(142, 172))
+    """Part a road into slabs of several tones, with joints along and across it, dark or filled pale."""
     joint = Line(
         width=float(rng.uniform(0.02, 0.06)),
-        colour="tar" if rng.uniform() < 0.5 else grey(asphalt * float(rng.uniform(1.12, 1.28))),
+        colour="tar" if rng.uniform() < 0.5 else grey(road.asphalt * float(rng.uniform(1.12, 1.28))),
         wear=0.05,
     )
     left, right = road.borders
     length, shift = float(rng.uniform(4.5, 6.0)), float(rng.uniform(-1.2, 1.2))
     joints = [float(n) for n in road.offsets + shift if left < n < right]
-    slabs = _slabs(rng, [left, *joints, right], length, asphalt)
+    slabs = _slabs(rng, [left, *joints, right], length, road.asphalt)
     cross = replace(marks.bar(0.0, joint.width, left, right, joint.colour), repeat=length)
     strips = tuple((n, joint) for n in joints)
     return replace(
         road,
-        asphalt=asphalt,
         strips=(*road.strips, *strips),
         marks=(*slabs, *road.marks, cross),
         overgrowth=0.02,
     )
 
 
-def footpath(rng: Rng, road: Road) -> Road:
+def footpath_border(rng: Rng, road: Road) -> Road:
     """Lay a footpath or a cycle path beside the road, between pale stones or a white border and stones."""
     where = side(rng)
     gap = float(rng.uniform(0.3, 1.6)) if not road.kerb else float(rng.uniform(0.4, 0.9))
@@ -173,7 +170,7 @@ DISTRACTORS: dict[str, Lay] = {
         cracks,
         crack_sealing,
         concrete_joints,
-        footpath,
+        footpath_border,
         light_gutter,
     )
 }

@@ -11,7 +11,7 @@ from lane_dp_ros.scenes import CAMERA, SIZE, Road
 from lane_dp_ros.scenes.categories import CATEGORIES
 from lane_dp_ros.scenes.course import Course
 from lane_dp_ros.scenes.distractor_categories import DISTRACTOR_CATEGORIES, any_road
-from lane_dp_ros.scenes.distractors import DISTRACTORS, footpath, light_gutter, light_strip, slush
+from lane_dp_ros.scenes.distractors import DISTRACTORS, footpath_border, light_gutter, light_strip, slush
 from lane_dp_ros.scenes.ground import draw_ground
 from lane_dp_ros.scenes.kind_categories import KIND_CATEGORIES
 from lane_dp_ros.scenes.light import Light, shade
@@ -110,7 +110,6 @@ def test_slush_lies_between_the_wheel_tracks_and_on_the_verge():
         on_road = [n for n, _ in road.covers if -5.85 < n < 2.35]
         assert len(on_road) >= 2
         assert min(np.abs(tracks - n).min() for n in on_road) > 0.3
-        assert road.asphalt < 90
     white, green = (surface_of(replace(STRAIGHT, snow=snow)) for snow in (1.0, 0.0))
     assert light_at(white, 6.0, 0.5) > 3 * light_at(green, 6.0, 0.5)
 
@@ -120,7 +119,7 @@ def test_a_footpath_runs_beside_the_road_not_on_it(seed):
     rng = np.random.default_rng(seed)
     road = any_road(rng)
     left, right = road.borders
-    for n, strip in footpath(rng, road).covers:
+    for n, strip in footpath_border(rng, road).covers:
         assert n + strip.width / 2 < left or n - strip.width / 2 > right
 
 
@@ -155,8 +154,10 @@ def test_new_categories_are_the_same_again_and_others_from_seed_to_seed(name):
     assert one.road != other.road
 
 
-@pytest.mark.parametrize(("name", "kinds"), [("double_solid", {("solid", "solid")}),
-                                             ("double_mixed", {("solid", "dashed"), ("dashed", "solid")})])  # fmt: skip
+MIXED = {("solid", "dashed"), ("dashed", "solid")}
+
+
+@pytest.mark.parametrize(("name", "kinds"), [("double_solid", {("solid", "solid")}), ("double_mixed", MIXED)])
 def test_double_lines_are_of_the_kinds_that_their_name_says(name, kinds):
     seen = set()
     for seed in range(6):
