@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.scenes import textures
 from lane_dp_ros.scenes.course import HAZE_DISTANCE
 from lane_dp_ros.scenes.heightfield import lay_out
-from lane_dp_ros.scenes.paint import draw_paint, striped
+from lane_dp_ros.scenes.paint import draw_covers, draw_paint, striped
 from lane_dp_ros.scenes.road import Road
 from lane_dp_ros.scenes.surface import Footprint, Surface
 from lane_dp_ros.scenes.view import View
@@ -26,6 +26,7 @@ ASPHALT_TINT = np.array([1.0, 0.99, 0.97], np.float32)  # BGR, as all colours he
 GRASS_DARK = np.array([40, 76, 64], np.float32)
 GRASS_LIGHT = np.array([88, 142, 138], np.float32)
 STRAW = np.array([104, 160, 186], np.float32)
+SNOW = np.array([224, 220, 216], np.float32)
 KERB_STONE = np.array([150, 156, 158], np.float32)
 SLABS = np.array([118, 124, 128], np.float32)
 KERB_WIDTH, PAVEMENT_WIDTH, TOWN_PAVEMENT_WIDTH = 0.16, 2.2, 3.4  # [m]
@@ -50,10 +51,11 @@ def draw_ground(surface: Surface, view: View) -> None:
     on_road = _asphalt_share(view.road, ground, tufts)
     beside = _beside(view.road, ground, tufts, dryness=float(world.uniform(-0.35, 0.45)))
     albedo += (1 - on_road[..., None]) * (np.square(beside / 255) - albedo)
+    paint *= on_road * draw_covers(albedo, view.road, ground, grain)
     seen = surface.ground[rows]
     np.copyto(surface.albedo[rows], albedo, where=seen[..., None])
     np.copyto(surface.emission[rows], np.float32(0), where=seen[..., None])
-    np.copyto(surface.paint[rows], paint * on_road, where=seen)
+    np.copyto(surface.paint[rows], paint, where=seen)
 
 
 def _footprint(surface: Surface, view: View, rows: slice) -> Footprint:
@@ -101,6 +103,9 @@ def _asphalt_share(road: Road, ground: Footprint, tufts: Singles) -> Singles:
 def _beside(road: Road, ground: Footprint, tufts: Singles, dryness: float) -> Singles:
     """Return the colour (rows, W, 3) beside the asphalt: kerb, pavement, grass."""
     colour = _grass(tufts, ground, dryness)
+    if road.snow:
+        lying = np.clip(road.snow + 0.25 * tufts, 0, 1)[..., None]
+        colour += lying * (SNOW * (1 + 0.03 * tufts[..., None]) - colour)
     if not road.kerb:
         return colour
     left, right = road.borders

@@ -14,7 +14,7 @@ from lane_dp_ros.scenes.view import View
 
 Singles = NDArray[np.float32]
 
-NEAREST = 3.0  # [m] along the camera's axis: nearer ground is below the picture
+NEAREST = 3.0  # [m] along the camera's axis: nearer ground is below most pictures
 SAMPLES = 640  # along each column's plane, at evenly spaced disparities: about half a row each
 COLUMN_STEP = 4  # [px] between the columns that are sampled; those between follow smoothly
 
@@ -58,7 +58,7 @@ def _heightfield_depth(view: View) -> Singles:
     Along the plane the picture row of the ground falls with distance; where it rises again, the ground is
     hidden behind a crest, so that the running minimum is what is seen.
     """
-    depths = 1 / np.linspace(1 / NEAREST, 1 / HAZE_DISTANCE, SAMPLES)
+    depths = 1 / np.linspace(1 / _nearest(view), 1 / HAZE_DISTANCE, SAMPLES)
     rows = np.minimum.accumulate(_ground_rows(view, depths), axis=1)
     wanted = np.arange(view.shape[0], dtype=np.float32)
     inverse = np.empty((view.size[0], view.shape[0]), np.float32)
@@ -66,6 +66,12 @@ def _heightfield_depth(view: View) -> Singles:
         inverse[i] = np.interp(wanted, row[::-1], 1 / depths[::-1], left=0.0)
     with np.errstate(divide="ignore"):
         return np.ascontiguousarray(1 / inverse.T)
+
+
+def _nearest(view: View) -> float:
+    """Return a depth [m] that no ground in the picture is nearer than: two thirds of a plane's."""
+    steepest = -float(view.rays[-1, :, 1].min())
+    return min(NEAREST, 2 / 3 * view.road.camera_height / steepest) if steepest > 0 else NEAREST
 
 
 def _ground_rows(view: View, depths: NDArray[np.float64]) -> Singles:

@@ -34,8 +34,9 @@ class Light:
     `sky` and `sun`: how bright each makes a white sheet that faces it, 1 as in daylight. `elevation` [deg]
     and `azimuth` [deg] of the sun, clockwise from the road's direction at its start. `leaves` [m]: between
     which two lines right of the road's axis trees shade it. `roughness`: the mean slope of the asphalt's
-    facets, 0 for asphalt that does not shine. `wetness` 0 to 1. `head_lamps`: how bright one's own make a
-    white sheet 10 m ahead; `street_lamps`: those every 30 m one under them.
+    facets, 0 for asphalt that does not shine. `wetness` 0 to 1; what a wet road mirrors is drawn out down
+    the picture over `streak` [px]. `head_lamps`: how bright one's own make a white sheet 10 m ahead;
+    `street_lamps`: those every 30 m one under them.
     `haze_length` [m]: distance over which the air takes 63 % of a thing's colour.
     """
 
@@ -46,6 +47,7 @@ class Light:
     leaves: tuple[float, float] | None = None
     roughness: float = 0.0
     wetness: float = 0.0
+    streak: float = 7.0
     head_lamps: float = 0.0
     street_lamps: float = 0.0
     haze_length: float = 350.0
@@ -68,7 +70,7 @@ def shade(surface: Surface, view: View, light: Light, objects: tuple[SceneObject
         seen += _lamplight(surface, view, light, objects)
     seen = _through_air(surface, light, seen)
     if light.wetness > 0:
-        specular.mirror(surface, view, seen, objects, light.wetness)
+        specular.mirror(surface, view, seen, objects, light.wetness, light.streak)
     if light.sun > 0:
         _add_aureole(surface, view, light, seen)
     if light.roughness > 0:

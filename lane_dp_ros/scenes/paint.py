@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from lane_dp_ros.scenes.road import Line, Mark, Road
+from lane_dp_ros.scenes.road import Colour, Line, Mark, Road
 from lane_dp_ros.scenes.surface import Footprint
 from lane_dp_ros.scenes.textures import foliage_at
 
@@ -28,6 +28,9 @@ COLOURS = {  # linear, BGR
 }
 
 
+RAGGED_TEXEL = 0.2  # [m] along the road of the noise by which borders are ragged
+
+
 def draw_paint(albedo: Singles, road: Road, ground: Footprint, grain: Singles) -> Singles:
     """Draw all that lies flat on a road over its asphalt (rows, W, 3).
 
@@ -42,6 +45,18 @@ def draw_paint(albedo: Singles, road: Road, ground: Footprint, grain: Singles) -
         where, cover = _draw_line(albedo, n, line, ground, grain)
         total[where] = np.maximum(total[where], cover)
     return total
+
+
+def draw_covers(albedo: Singles, road: Road, ground: Footprint, grain: Singles) -> Singles:
+    """Draw what lies over a road, its paint and its verge (rows, W, 3).
+
+    Returns the share (rows, W) of each pixel that is left bare.
+    """
+    bare = np.ones_like(ground.s)
+    for n, line in road.covers:
+        where, cover = _draw_line(albedo, n, line, ground, grain)
+        bare[where] *= 1 - cover
+    return bare
 
 
 def share(summed: Callable[[Singles], Singles], place: Singles, reach: Singles) -> Singles:
@@ -67,14 +82,22 @@ def _draw_line(
     beside = ground.n - np.float32(n)
     if line.bend or line.wobble:
         beside = beside - line.aside(ground.s).astype(np.float32)
-    where = np.nonzero(np.abs(beside) < (line.width + ground.reach_n) / 2)
+    where = np.nonzero(np.abs(beside) < (line.width + ground.reach_n) / 2 + 3 * line.ragged)
     part = ground.at(where)
-    half = line.width / 2
+    half = _half_width(line, part, np.sign(beside[where]) + np.float32(n))
     cover = share(lambda n: np.clip(n, -half, half), beside[where], part.reach_n)
     cover *= share(lambda s: np.clip(s, line.begin, line.end), part.s, part.reach_s)
     if line.painted == "dashed":
         cover *= striped(part.s, part.reach_s, line.dash, line.gap)
     return where, _lay(albedo, where, cover, line, (part, grain[where]))
+
+
+def _half_width(line: Line, part: Footprint, side: Singles) -> Singles | float:
+    """Return how far [m] a line reaches from its middle at each pixel; `side` tells its borders apart."""
+    if not line.ragged:
+        return line.width / 2
+    noise = foliage_at(part.s / np.float32(RAGGED_TEXEL), side * 97) / (1 + np.square(part.reach_s / 0.4))
+    return np.maximum(line.width / 2 + line.ragged * noise, 0).astype(np.float32)
 
 
 def _draw_mark(albedo: Singles, mark: Mark, ground: Footprint, grain: Singles) -> None:
@@ -105,9 +128,14 @@ def _lay(
     """Lay paint over the asphalt at some pixels, as far as it is not worn off; return its share of each."""
     part, grain = under
     cover = cover * _left_of_wear(paint.wear, part, grain)
-    colour = COLOURS[paint.colour] * (1 + 0.055 * grain)[:, None]
+    colour = _linear(paint.colour) * (1 + paint.grain * grain)[:, None]
     albedo[where] += cover[:, None] * (colour - albedo[where])
     return cover
+
+
+def _linear(colour: Colour) -> Singles:
+    """Return a colour (3,) BGR, linear."""
+    return COLOURS[colour] if isinstance(colour, str) else np.square(np.array(colour, np.float32) / 255)
 
 
 def _left_of_wear(wear: float, part: Footprint, grain: Singles) -> Singles:

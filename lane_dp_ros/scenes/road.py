@@ -19,7 +19,8 @@ MAX_CURVATURE = 0.035  # [1/m]
 KERB_FACE = 0.08  # [m] across the road over which a kerb rises
 
 
-Colour = Literal["white", "yellow", "tar", "steel", "concrete", "patch"]
+Colour = Literal["white", "yellow", "tar", "steel", "concrete", "patch"] | tuple[float, float, float]
+PAINT_GRAIN = 0.055  # share by which the asphalt's grain shows through paint
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,9 @@ class Line:
     """One painted line, or `none`. A dashed one has `dash` [m] of paint, then `gap` [m] without.
 
     It runs `width` [m] wide from `begin` to `end` [m] along the road; over `bend_over` [m] from `bend_at`
-    on it moves `bend` [m] to the right; it wavers by `wobble` [m]. `wear` is the share that is gone.
+    on it moves `bend` [m] to the right; it wavers by `wobble` [m], `phase` [m] along the road before another
+    that does. Its borders are `ragged` by this much [m]. `wear` is the share that is gone. A colour without a
+    name is BGR in grey levels; `grain` is the share by which the asphalt's grain shows.
     """
 
     painted: Literal["solid", "dashed", "none"] = "solid"
@@ -42,13 +45,17 @@ class Line:
     bend_at: float = 0.0
     bend_over: float = 40.0
     wobble: float = 0.0
+    phase: float = 0.0
+    ragged: float = 0.0
+    grain: float = PAINT_GRAIN
 
     def aside(self, s: Reals) -> Reals:
         """Return how far right [m] of its place across the road the line runs at s along the road."""
         if not (self.bend or self.wobble):
             return np.zeros_like(s)
         part = np.clip((s - self.bend_at) / self.bend_over, 0, 1)
-        waver = np.sin(0.31 * s) + 0.7 * np.sin(0.83 * s + 1) + 0.4 * np.sin(2.9 * s)
+        along = s + self.phase
+        waver = np.sin(0.31 * along) + 0.7 * np.sin(0.83 * along + 1) + 0.4 * np.sin(2.9 * along)
         return self.bend * part * part * (3 - 2 * part) + self.wobble * waver
 
     def is_painted(self, s: Reals) -> NDArray[np.bool_]:
@@ -77,6 +84,7 @@ class Mark:
     slant: float = 0.0
     chevron: bool = False
     repeat: float = 0.0
+    grain: float = PAINT_GRAIN
 
 
 SOLID, DASHED, UNPAINTED = Line(), Line("dashed"), Line("none")
@@ -91,10 +99,11 @@ class Road:
     `roll` [rad]. `lane_widths` [m] and the `lines` between and beside them go from left to right, one line
     more than lanes; `more_lines` are further ones, each with how far right of the axis it runs [m].
     The road's axis is the middle of lane number `driven`. `strips` run like lines, but are none (tar seams,
-    rails), and `marks` are on the road besides. `shoulder` [m] is the asphalt beyond the outer lines, of
-    the grey level `asphalt`; then comes a kerb, `kerb` [m] high, with a pavement, or, at 0 m, grass, which
-    reaches `overgrowth` [m] over the border here and there. `verge` is what stands there. `camera_height`
-    [m], `pitch` [rad] positive where the camera looks down.
+    rails), and `marks` are on the road besides; `covers` run like lines, too, and lie over all of it and over
+    what is beside the road (slush, a footpath's border). `shoulder` [m] is the asphalt beyond the outer
+    lines, of the grey level `asphalt`; then comes a kerb, `kerb` [m] high, with a pavement, or, at 0 m,
+    grass, which reaches `overgrowth` [m] over the border here and there, under `snow` for this share.
+    `verge` is what stands there. `camera_height` [m], `pitch` [rad] positive where the camera looks down.
 
     Raises ValueError when lines and lanes do not go together or the road bends too sharply.
     """
@@ -110,10 +119,12 @@ class Road:
     more_lines: tuple[tuple[float, Line], ...] = ()
     strips: tuple[tuple[float, Line], ...] = ()
     marks: tuple[Mark, ...] = ()
+    covers: tuple[tuple[float, Line], ...] = ()
     driven: int = 1
     shoulder: float = 0.6
     kerb: float = 0.0
     overgrowth: float = 0.04
+    snow: float = 0.0
     asphalt: float = 112.0
     verge: Verge = "fields"
     camera_height: float = 1.65

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.scenes.course import Course
-from lane_dp_ros.scenes.lane_truth import fitted_ground, lane_labels
+from lane_dp_ros.scenes.edge_truth import edge_labels
+from lane_dp_ros.scenes.lane_truth import lane_labels
 from lane_dp_ros.scenes.light import Light
 from lane_dp_ros.scenes.objects import SceneObject
 from lane_dp_ros.scenes.rendering import render
 from lane_dp_ros.scenes.road import Road
 from lane_dp_ros.scenes.road_ahead import profile_ahead
+from lane_dp_ros.scenes.seen_part import fitted_ground
 from lane_dp_ros.scenes.sensor import Sensor, expose
 from lane_dp_ros.scenes.view import Pose, View
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
@@ -59,18 +61,23 @@ class Motion:
 
 @dataclass(frozen=True)
 class Scene:
-    """A road, the light on it, what stands and drives there, the cameras' sensor, and the vehicle's drive."""
+    """A road, the light on it, what stands and drives there, the stereo camera, and the vehicle's drive.
+
+    `size` [px] is the pictures' width and height; the camera's height and pitch are the road's.
+    """
 
     road: Road = field(default_factory=Road)
     light: Light = field(default_factory=Light)
     objects: tuple[SceneObject, ...] = ()
     sensor: Sensor = field(default_factory=Sensor)
     motion: Motion = field(default_factory=Motion)
+    camera: StereoCamera = CAMERA
+    size: tuple[int, int] = SIZE
 
 
 @dataclass(frozen=True)
 class ScenePair:
-    """A rendered pair: BGR images (375, 1242, 3), and the lane lines that lie in the left one.
+    """A rendered pair: BGR images (H, W, 3), and the lane lines that lie in the left one.
 
     `lanes`: the exact centre lines (N, 3) [m] of the paint, in the left optical frame, from left to right,
     each from near to far with points every 0.5 m, dashes bridged; `truth`: what a careful person can see of
@@ -106,19 +113,21 @@ def render_frame(
     pose = scene.motion.pose(time, scene.road.pitch)
     millimetres = round(course.position * 1000) % 2**32  # a position may be negative, a seed may not
     noise = np.random.default_rng([seed, index, millimetres])
-    views = [View(CAMERA, SIZE, course, pose, eye, seed, time) for eye in (0.0, CAMERA.baseline)]
+    eyes = (0.0, scene.camera.baseline)
+    views = [View(scene.camera, scene.size, course, pose, eye, seed, time) for eye in eyes]
     lights, surfaces = zip(*(render(view, scene.light, scene.objects) for view in views), strict=True)
     left, right = (
         expose(light, view, scene.sensor, noise) for light, view in zip(lights, views, strict=True)
     )
     labels, egos = lane_labels(views[0], surfaces[0], left)
+    edges = edge_labels(views[0], surfaces[0], left, scene.objects)
     stamp_ns = first_stamp_ns + round(time * 1e9)
     truth = LabelledFrame(
         name=f"{category}/{index:02d}",
-        camera=CAMERA,
-        size=SIZE,
+        camera=scene.camera,
+        size=scene.size,
         ground=fitted_ground(views[0], surfaces[0]),
-        labels=labels,
+        labels=(*labels, *edges),
         ego_left=egos[0],
         ego_right=egos[1],
         stamp_ns=stamp_ns,
@@ -132,11 +141,11 @@ def _lane_lines(view: View) -> tuple[NDArray[np.float64], ...]:
     s = np.arange(0.0, TRUTH_AHEAD, TRUTH_STEP)
     along = s + view.course.position
     grounds = (view.course.points(s, n + line.aside(along)) for n, line in view.road.placed_lines)
-    lines = (_in_picture(view.optical(points)) for points in grounds)
+    lines = (_in_picture(view, view.optical(points)) for points in grounds)
     return tuple(line for line in lines if len(line) > 1)
 
 
-def _in_picture(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_picture(view: View, points: NDArray[np.float64]) -> NDArray[np.float64]:
     points = points[points[:, 2] > 1]
-    inside = (CAMERA.project(points) >= 0) & (CAMERA.project(points) <= np.array(SIZE) - 1)
-    return points[inside.all(axis=1)]
+    uv = view.camera.project(points)
+    return points[np.all((uv >= 0) & (uv <= np.array(view.size) - 1), axis=1)]

@@ -29,8 +29,9 @@ class Sensor:
     while it is taken; `flare` the share of light that the lens scatters; `vignette` the share that is lost in
     the corners. `exposure` multiplies the light; `metering` sets it instead so that the lower part of the
     picture has this mean (1 is white). The right camera takes `right_gain` times as much. `full_well`
-    [electrons] are in a white pixel, and `dark` [electrons] is the noise of reading one. `jpeg` 1 to 100 is
-    the quality of a compression that the picture went through.
+    [electrons] are in a white pixel, and `dark` [electrons] is the noise of reading one. Grey levels go with
+    the light's root, raised to the power of `gamma` by the tone curve: above 1 middle tones are darker.
+    `jpeg` 1 to 100 is the quality of a compression that the picture went through.
     """
 
     blur: float = 0.55
@@ -39,6 +40,7 @@ class Sensor:
     vignette: float = 0.30
     exposure: float = 1.0
     metering: float | None = None
+    gamma: float = 1.0
     right_gain: float = 1.0
     full_well: float = 7000.0
     dark: float = 14.0
@@ -48,14 +50,14 @@ class Sensor:
 def expose(light: Singles, view: View, sensor: Sensor, rng: np.random.Generator) -> Bytes:
     """Return the picture (H, W, 3) BGR of the light (H, W, 3), linear; white in daylight (1) becomes 255.
 
-    `view` tells which camera it is (`view.eye` > 0: the right one). Grey levels go with the light's root.
+    `view` tells which camera it is (`view.eye` > 0: the right one).
     """
     gain = _exposure(light, sensor) * (sensor.right_gain if view.eye > 0 else 1.0)
     caught = _through_lens(np.float32(gain) * light, sensor) * _vignette(light.shape, sensor.vignette)
     electrons = np.float32(sensor.full_well)
     spread = np.sqrt(np.maximum(caught, 0) * electrons + np.float32(sensor.dark**2)) / electrons
     caught += spread * rng.standard_normal(light.shape, dtype=np.float32)
-    image = np.rint(255 * np.sqrt(np.clip(caught, 0, 1))).astype(np.uint8)
+    image = np.rint(255 * np.sqrt(np.clip(caught, 0, 1)) ** np.float32(sensor.gamma)).astype(np.uint8)
     return image if sensor.jpeg is None else _compressed(image, sensor.jpeg)
 
 

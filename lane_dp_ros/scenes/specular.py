@@ -25,7 +25,7 @@ Singles = NDArray[np.float32]
 F0 = 0.04  # share that asphalt and water mirror when looked at from straight above
 STEEPEST = 0.03  # the sine of the least angle at which the road is seen or lit
 MIRRORED = 70.0  # [m] from the mirroring place to the woods and trees that it shows
-WET_BLUR = (1.6, 7.0)  # [px] sigma across and down: a wet road is no mirror
+WET_BLUR = 1.6  # [px] sigma across of what a wet road mirrors
 NEAREST_LAMP = 0.4  # [m^2] no road is nearer to a lamp
 COARSE = 3  # glints, which are smooth, are worked out for every third row and column only
 PAINT_GLOSS, GRASS_GLOSS = 0.45, 0.1  # of the asphalt's
@@ -71,9 +71,17 @@ def _fine(coarse: Singles, view: View, rows: slice) -> Singles:
 
 
 def mirror(
-    surface: Surface, view: View, light: Singles, objects: Sequence[SceneObject], wetness: float
+    surface: Surface,
+    view: View,
+    light: Singles,
+    objects: Sequence[SceneObject],
+    wetness: float,
+    streak: float,
 ) -> None:
-    """Lay over the light (H, W, 3) what a wet road mirrors; `wetness` 0 to 1: damp to flooded."""
+    """Lay over the light (H, W, 3) what a wet road mirrors; `wetness` 0 to 1: damp to flooded.
+
+    A wet road is no mirror: its grain draws out what it shows downwards, over a sigma of `streak` [px].
+    """
     rows = ground_rows(surface)
     if rows.stop <= rows.start:
         return
@@ -81,7 +89,7 @@ def mirror(
     share = _fresnel(np.maximum(up, STEEPEST)) * _puddles(surface, rows, wetness)
     share = np.where(_on_asphalt(surface, view, rows), share, 0)[..., None]
     image = _with_mirrored_things(view, rows, objects, _distant(surface, view, rows, light))
-    light[rows] += share * (cv2.GaussianBlur(image, (0, 0), WET_BLUR[0], sigmaY=WET_BLUR[1]) - light[rows])
+    light[rows] += share * (cv2.GaussianBlur(image, (0, 0), WET_BLUR, sigmaY=streak) - light[rows])
 
 
 def ground_rows(surface: Surface) -> slice:

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a careful person sees paint in a picture: measured in the picture, against the road on both sides."""
+"""Where a careful person sees paint, or the road's border, in a picture: measured in the picture itself."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import cv2
 import numpy as np
@@ -14,6 +15,7 @@ from lane_dp_ros.scenes.road import Line
 from lane_dp_ros.scenes.view import View
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 VISIBLE_CONTRAST = 0.05  # Weber contrast at which things are just made out: the WMO's visual range goes by it
@@ -25,6 +27,9 @@ FINE = 10  # samples along the line in each step of its places
 BAND = np.linspace(-0.6, 0.6, 5)  # samples across the paint, in halves of its width
 BLUR = 1.0  # [px] beside the paint over which lens and sensor mix it with the road
 FLANK = np.linspace(0.03, 0.15, 5)  # [m] beyond that: the road that the paint is compared with
+INNER = np.linspace(-0.2, -0.03, 5)  # [m] inside a border: the road that what lies beyond is compared with
+FACE = np.linspace(0.01, 0.07, 3)  # [m] beyond it: a kerb's face
+BEYOND = np.linspace(0.1, 0.3, 5)  # [m] beyond it: stones, or the verge
 NEAREST = 0.5  # [m] ahead of the camera; what is nearer is in no picture
 
 
@@ -38,47 +43,83 @@ def visible_paint(
     either side, averaged over 3 m of paint, is a visible one of the same sign, and certain in view of how
     much the road's two sides differ from each other.
     """
-    along = (s[:, None] + ((np.arange(FINE) + 0.5) / FINE - 0.5) * (s[1] - s[0])).ravel()
-    section = _Section(image, view, placed, along)
-    used = placed[1].is_painted(along + view.course.position) & np.repeat(in_sight, FINE) & section.inside
-    reach = round(PIECE / (s[1] - s[0])) | 1
-    samples = np.maximum(_sums(used, reach), 1)
-    independent = np.maximum(np.minimum(samples, _sums(used * section.pixels, reach)), 1)
-
-    def mean(values: Floats) -> Floats:
-        """Return the mean (N,) over 3 m of paint of values at the samples (N * FINE,)."""
-        return _sums(used * values, reach) / samples
-
-    left, right = (mean(contrast) for contrast in section.contrasts)
-    difference = section.contrasts[0] - section.contrasts[1]
-    spread = np.maximum(mean(difference**2) - mean(difference) ** 2, 0) + GREY_LEVEL**2
+    n, line = placed
+    along = _fine(s)
+    samples = _Samples(view, along, np.asarray(n + line.aside(along + view.course.position), np.float64))
+    light = _light(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+    paint = samples.mean_light(light, BAND * line.width / 2)
+    border = line.width / 2 + samples.blur
+    sides = [samples.mean_light(light, (side * (border + flank) for flank in FLANK)) for side in (-1, 1)]
+    inside = np.isfinite(paint + sides[0] + sides[1])
+    contrasts = [np.where(inside, np.log(paint / side), 0) for side in sides]
+    used = line.is_painted(along + view.course.position) & np.repeat(in_sight, FINE) & inside
+    pieces = _Pieces(s, used, samples.pixels_apart)
+    left, right = map(pieces.mean, contrasts)
     least = np.where(left * right > 0, np.minimum(np.abs(left), np.abs(right)), 0)
-    visible, certain = np.log1p(VISIBLE_CONTRAST), CERTAIN * np.sqrt(spread / independent)
-    return np.asarray(in_sight & (least > np.maximum(visible, certain)))
+    return np.asarray(in_sight & pieces.stand_out(least, contrasts[0] - contrasts[1]))
 
 
-class _Section:
-    """The light across a line at each of its places `along` (N,) [m] ahead.
+def visible_border(
+    image: NDArray[np.uint8], view: View, border: tuple[float, int], s: Floats, in_sight: Mask
+) -> Mask:
+    """Return at which places s (N,) [m] ahead, evenly spaced, a border of the road is told from the road.
 
-    `contrasts`: the logarithm of the paint's light over that of the road left and right of it, two of (N,);
-    `inside` (N,): all of that lies in the picture; `pixels` (N,) from one place to the next.
+    `image` (H, W, 3) BGR is that of `view`; `border` how far right of the axis it runs [m], and on which side
+    of it the road ends: 1, the right, or -1. It is told where what lies beyond, its face or what comes
+    after, has a visible contrast against the road, averaged over 3 m, in any of the three colours, that is
+    certain in view of how much the contrast changes along the border.
+    """
+    n, outward = border
+    along = _fine(s)
+    samples = _Samples(view, along, np.full_like(along, n))
+    told = np.zeros(len(s), bool)
+    for light in (_light(image[..., channel]) for channel in range(3)):
+        road = samples.mean_light(light, (outward * (inner - samples.blur) for inner in INNER))
+        for beyond in (FACE, BEYOND):
+            other = samples.mean_light(light, (outward * (outer + samples.blur) for outer in beyond))
+            inside = np.isfinite(road + other)
+            pieces = _Pieces(s, np.repeat(in_sight, FINE) & inside, samples.pixels_apart)
+            here, there = (np.maximum(pieces.mean(np.where(inside, each, 0)), VEIL) for each in (road, other))
+            noisy = np.where(inside, other - road, 0) / np.repeat(here, FINE)
+            told |= pieces.stand_out(np.abs(np.log(there / here)), noisy)
+    return np.asarray(told & in_sight)
+
+
+class _Pieces:
+    """Pieces of 3 m about each of the places `s` (N,), of the samples (N * FINE,) that are `used`.
+
+    `pixels_apart` (N * FINE,) are from one sample to the next: nearer ones are not independent.
     """
 
-    def __init__(
-        self, image: NDArray[np.uint8], view: View, placed: tuple[float, Line], along: Floats
-    ) -> None:
-        n, line = placed
-        grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float32) / 255
-        self._light = np.square(grey) + np.float32(VEIL)
-        self._view, self._along = view, along
-        self._middle = n + line.aside(along + view.course.position)
-        paint = self._mean_light(BAND * line.width / 2)
+    def __init__(self, s: Floats, used: Mask, pixels_apart: Floats) -> None:
+        self._used, self._reach = used, round(PIECE / (s[1] - s[0])) | 1
+        self._samples = np.maximum(_sums(used, self._reach), 1)
+        independent = _sums(used * pixels_apart, self._reach)
+        self._independent = np.maximum(np.minimum(self._samples, independent), 1)
+
+    def mean(self, values: Floats) -> Floats:
+        """Return the mean (N,) of values at the samples."""
+        return _sums(self._used * values, self._reach) / self._samples
+
+    def stand_out(self, contrast: Floats, noisy: Floats) -> Mask:
+        """Return where a contrast (N,) is visible, and certain over the spread of samples of noise."""
+        spread = np.maximum(self.mean(noisy**2) - self.mean(noisy) ** 2, 0) + GREY_LEVEL**2
+        visible, certain = np.log1p(VISIBLE_CONTRAST), CERTAIN * np.sqrt(spread / self._independent)
+        return np.asarray(contrast > np.maximum(visible, certain))
+
+
+class _Samples:
+    """Places `along` (N,) [m] ahead on a line that runs `middle` (N,) [m] right of the axis.
+
+    `blur` (N,) [m]: how far lens and sensor mix what lies side by side there; `pixels_apart` (N,): from one
+    place to the next.
+    """
+
+    def __init__(self, view: View, along: Floats, middle: Floats) -> None:
+        self._view, self._along, self._middle = view, along, middle
         centre, depth = self._pixels(0.0)
-        border = line.width / 2 + BLUR * np.maximum(depth, 1) / view.camera.fx
-        sides = [self._mean_light(side * (border + flank) for flank in FLANK) for side in (-1, 1)]
-        self.inside = np.isfinite(paint + sides[0] + sides[1])
-        self.contrasts = [np.where(self.inside, np.log(paint / side), 0) for side in sides]
-        self.pixels = np.linalg.norm(np.diff(centre, axis=0, append=centre[-1:]), axis=1)
+        self.blur = BLUR * np.maximum(depth, 1) / view.camera.fx
+        self.pixels_apart = np.linalg.norm(np.diff(centre, axis=0, append=centre[-1:]), axis=1)
 
     def _pixels(self, beside: Floats | float) -> tuple[Floats, Floats]:
         """Return the pixels (N, 2) `beside` [m] the line, and their depth (N,) [m]."""
@@ -88,14 +129,24 @@ class _Section:
         points = np.where(in_front[:, None], points, [0, -1e6, NEAREST])  # far above the picture
         return view.camera.project(points), points[:, 2]
 
-    def _mean_light(self, besides: Iterable[Floats | float]) -> Floats:
+    def mean_light(self, light: Singles, besides: Iterable[Floats | float]) -> Floats:
         """Return the mean light (N,) of places beside the line, NaN outside the picture."""
         across = []
         for beside in besides:
             u, v = self._pixels(beside)[0].astype(np.float32).T
-            light = cv2.remap(self._light, u[:, None], v[:, None], cv2.INTER_LINEAR, borderValue=np.nan)
-            across.append(light.ravel().astype(np.float64))
+            seen = cv2.remap(light, u[:, None], v[:, None], cv2.INTER_LINEAR, borderValue=np.nan)
+            across.append(seen.ravel().astype(np.float64))
         return np.asarray(np.mean(across, axis=0))
+
+
+def _light(grey: NDArray[Any]) -> Singles:
+    """Return the light (H, W) of a screen that shows these grey levels."""
+    return np.square(grey.astype(np.float32) / 255) + np.float32(VEIL)
+
+
+def _fine(s: Floats) -> Floats:
+    """Return the samples (N * FINE,) [m] ahead about the places s (N,)."""
+    return (s[:, None] + ((np.arange(FINE) + 0.5) / FINE - 0.5) * (s[1] - s[0])).ravel()
 
 
 def _sums(values: NDArray, reach: int) -> Floats:

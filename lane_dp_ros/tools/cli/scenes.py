@@ -51,5 +51,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"{arguments.sheet}: {len(chosen)} categories")
         return
     truth = write_drives(arguments.output, chosen, arguments.force, arguments.jobs)
-    lines = sum(len(frame.labels) for frame in truth)
-    print(f"{arguments.output}: {len(truth)} pairs of {len(chosen)} categories, {lines} lane lines")
+    painted = [label.painted for frame in truth for label in frame.labels]
+    lines, edges = sum(painted), len(painted) - sum(painted)
+    pairs = f"{len(truth)} pairs of {len(chosen)} categories"
+    print(f"{arguments.output}: {pairs}, {lines} lane lines, {edges} road edges")

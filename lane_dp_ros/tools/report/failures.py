@@ -25,6 +25,7 @@ TAKEN_FOR_ONE = {
     "similar objects": {
         "kerb", "kerbs", "rail", "rails", "railing", "seams", "tar", "cracks", "joints", "concrete",
         "hatching", "arrows", "stop", "zebra", "verge", "grass", "island", "works", "similar", "parked",
+        "strip", "ghost", "slush", "reflections", "sealing", "footpath", "gutter",
     },
 }  # fmt: skip
 OTHER, UNKNOWN = "other", "not known"
