@@ -84,8 +84,10 @@ class Summary:
     def __str__(self) -> str:
         pairs, lanes = len(self.lanes_per_pair), sum(self.lanes_per_pair)
         empty = self.lanes_per_pair.count(0)
-        lines = [f"{pairs} pairs, {lanes / pairs:.2f} lanes per pair, {empty} pairs without lanes"]
-        lines.append(f"{self.road_edges / pairs:.2f} road edges per pair")
+        lines = [
+            f"{pairs} pairs, {lanes / pairs:.2f} lanes per pair, {empty} pairs without lanes",
+            f"{self.road_edges / pairs:.2f} road edges per pair",
+        ]
         if self.unpaired:
             lines.append(f"{self.unpaired} images without a partner")
         lines += [f"  {count} x {problem}" for problem, count in self.problems.most_common(5)]
