@@ -103,8 +103,12 @@ def _ahead(points: Floats) -> Floats:
 
 
 def _draw_lanes(picture: Image8, lanes: Iterable[Lane], to_pixels: Callable[[Floats], Floats]) -> None:
-    """Draw lines and, above them all, labels; `to_pixels` takes points (N, 3) to the picture (N, 2)."""
+    """Draw road edges, lanes and, above them all, labels, those of the lanes last.
+
+    `to_pixels` takes points (N, 3) to the picture (N, 2).
+    """
     drawable = [lane for lane in lanes if np.count_nonzero(lane.points[:, 2] > NEAREST) >= 2]
+    drawable.sort(key=lambda lane: lane.kind != "edge")
     for lane in drawable:
         if lane.kind == "edge":
             _draw_dots(picture, to_pixels(_ahead(lane.points)), _colour(lane))

@@ -98,6 +98,15 @@ def test_road_edges_and_lanes_are_told_apart_from_above() -> None:
     assert len(offsets) and np.all(np.abs(offsets + 4.0) < 0.15)
 
 
+def test_a_lane_is_drawn_above_a_road_edge_whichever_comes_first() -> None:
+    both = [lane(1.8, "ego_right"), road_edge(1.85, "ego_right")]
+    image = np.zeros(SHAPE, np.uint8)
+    pictures = [draw_overlay(image, lines, CAMERA) for lines in (both, both[::-1], both[:1])]
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    blue = (pictures[2][..., 0] > 200) & ~violet(pictures[2])
+    assert not violet(pictures[0])[blue].any()
+
+
 def test_no_lanes_no_marks() -> None:
     image = np.full((*SHAPE, 3), 80, np.uint8)
     np.testing.assert_array_equal(draw_overlay(image, [], CAMERA), image)
