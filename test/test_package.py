@@ -152,7 +152,7 @@ def test_rviz_shows_what_the_node_publishes():
         "Displays"
     ]
     topics = {each["Topic"]["Value"] for each in displays if "Topic" in each}
-    assert topics == {"/lanes", "/overlay/image", "/ipm/image"}
+    assert topics == {"/lanes", "/road_edges", "/overlay/image", "/ipm/image"}
 
 
 def test_the_launch_file_declares_its_arguments():

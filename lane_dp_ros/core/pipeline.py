@@ -37,9 +37,9 @@ class FrameResult:
     """What a frame gave.
 
     `problem` is one line that says what is wrong, or empty; `camera` and `detection` are None where the
-    calibration or the frame could not be used. `lanes` are the detection's once they are tracked, with those
-    that go on unseen. `road_profile` says where the road's surface is from: measured, last or nominal;
-    `check` is the calibration's.
+    calibration or the frame could not be used. `lanes` and `road_edges` are the detection's once they are
+    tracked, each with ids of their own, with those that go on unseen. `road_profile` says where the road's
+    surface is from: measured, last or nominal; `check` is the calibration's.
     """
 
     frame: StereoFrame
@@ -73,7 +73,7 @@ class _Memory:
 
 @dataclass
 class LanePipeline:
-    """Answers frame after frame, which must come in order; remembers the road, and gives lanes identities.
+    """Answers frame after frame, which must come in order; remembers the road, gives lines identities.
 
     `monitored`: what is seen is used to judge the calibration, too.
     """
@@ -81,6 +81,7 @@ class LanePipeline:
     monitored: bool = True
     _road: RoadFilter = field(default_factory=RoadFilter, init=False)
     _tracker: LaneTracker = field(default_factory=LaneTracker, init=False)
+    _edge_tracker: LaneTracker = field(default_factory=LaneTracker, init=False)
     _monitor: CalibrationMonitor = field(default_factory=CalibrationMonitor, init=False)
     _memory: _Memory = field(default_factory=_Memory, init=False)
     _detector: LaneDetector | None = field(default=None, init=False)
@@ -103,7 +104,9 @@ class LanePipeline:
         watch = Stopwatch(detection.seconds)
         with watch("tracking"):
             self._road.update(detection.road)
-            lanes = self._tracked(detection, stamp_ns, config)
+            self._configure_trackers(config)
+            lanes = self._tracked(detection, stamp_ns)
+            road_edges = self._edge_tracker.update(detection.road_edges, stamp_ns)
         road = detection.road_estimate
         problem = ""
         if road.source != "measured":
@@ -117,7 +120,7 @@ class LanePipeline:
             camera,
             detection,
             lanes,
-            detection.road_edges,
+            road_edges,
             problem,
             road.source,
             check,
@@ -128,6 +131,7 @@ class LanePipeline:
         """Return what the frames before say of the one of `stamp_ns`."""
         if nominal.camera != self._memory.camera:
             self._tracker.reset()
+            self._edge_tracker.reset()
         if nominal.camera != self._memory.camera or not 0 <= stamp_ns - self._memory.stamp_ns <= MEMORY_NS:
             self._memory = _Memory(nominal.camera)
         memory = self._memory
@@ -144,7 +148,12 @@ class LanePipeline:
             detector = self._detector = LaneDetector(camera, config)
         return detector
 
-    def _tracked(self, detection: LaneDetection, stamp_ns: int, config: DetectorConfig) -> tuple[Lane, ...]:
+    def _configure_trackers(self, config: DetectorConfig) -> None:
+        for tracker in (self._tracker, self._edge_tracker):
+            tracker.config = config.tracking
+            tracker.half_width = config.birds_eye.width / 2
+
+    def _tracked(self, detection: LaneDetection, stamp_ns: int) -> tuple[Lane, ...]:
         """Return the lanes of a detection with identities, and remember what the next prior needs."""
         memory, measured = self._memory, detection.road_estimate.source == "measured"
         if measured:
@@ -152,8 +161,6 @@ class LanePipeline:
             memory.surface, memory.course_ns = detection.road, stamp_ns
             memory.axis, memory.paint = None if seen is None else seen.axis, detection.score
             memory.voted_ns = stamp_ns if detection.voted else memory.voted_ns
-        self._tracker.config = config.tracking
-        self._tracker.half_width = config.birds_eye.width / 2
         lanes = self._tracker.update(detection.lanes, stamp_ns)
         known = {lane.id for lane in memory.lanes}
         memory.lanes = tuple(lane for lane in lanes if measured or lane.id in known)

@@ -92,16 +92,16 @@ class Prior:
 
 @dataclass(frozen=True, eq=False)
 class Lane:
-    """One painted line.
+    """One painted line, or one border of the carriageway that is not painted (kind "edge").
 
-    `points` (N, 3) [m] lie on the centre of the paint, on the road's surface, in the left optical frame
-    (x right, y down, z forward; the frame of P_left), ordered from near to far, at most 0.5 m apart.
-    `confidence` is in (0, 1]; `paint_width` [m]; `curvature` [1/m] is positive where the line bends to the
-    right; `lateral_offset` [m] is the line's distance right of the camera at the vehicle (negative: left).
-    `id` is the line's identity over time, -1 before tracking.
-    `kind` is that of the paint, or "edge" for a border of the carriageway that is not painted; "double" is
-    one of two lines side by side, whose own kinds, left and right, are its `sides`. `colour` is that of the
-    paint. Either is empty where it is not known, as the colour in a grey picture is.
+    `points` (N, 3) [m] lie on the centre of the paint, or on the border, on the road's surface, in the left
+    optical frame (x right, y down, z forward; the frame of P_left), ordered from near to far, at most 0.5 m
+    apart. `confidence` is in (0, 1]; `paint_width` [m] is 0 for a border; `curvature` [1/m] is positive where
+    the line bends to the right; `lateral_offset` [m] is the line's distance right of the camera at the
+    vehicle (negative: left). `id` is the line's identity over time, -1 before tracking.
+    `kind` is that of the paint, or "edge" for a border; "double" is one of two lines side by side, whose own
+    kinds, left and right, are its `sides`. `colour` is that of the paint. Either is empty where it is not
+    known, as the colour in a grey picture is.
     """
 
     points: NDArray[np.float64]
@@ -134,11 +134,14 @@ def ego_roles(offsets: Sequence[float]) -> list[LaneRole]:
 
 
 def with_roles(lanes: Sequence[Lane]) -> tuple[Lane, ...]:
-    """Return lanes with the roles that they have beside one another."""
-    roles = ego_roles([lane.lateral_offset for lane in lanes])
+    """Return lanes with the roles that they have beside one another; so have road edges among themselves."""
+    roles: dict[int, LaneRole] = {}
+    for edges in (False, True):
+        alike = [i for i, lane in enumerate(lanes) if (lane.kind == "edge") == edges]
+        offsets = [lanes[i].lateral_offset for i in alike]
+        roles.update(zip(alike, ego_roles(offsets), strict=True))
     return tuple(
-        lane if lane.role == role else replace(lane, role=role)
-        for lane, role in zip(lanes, roles, strict=True)
+        lane if lane.role == roles[i] else replace(lane, role=roles[i]) for i, lane in enumerate(lanes)
     )
 
 

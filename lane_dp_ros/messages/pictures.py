@@ -3,7 +3,8 @@
 """Pictures of lanes: over the left image, and in the bird's-eye view.
 
 A lane is drawn as the thin outline of its stripe, with a gap between outline and paint, so that the paint can
-be seen and judged; the label says role, id and confidence in the colours that RViz shows.
+be seen and judged; a road edge as a dotted line. The label says role, id and confidence in the colours that
+RViz shows.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.messages.lanes import COLOURS
+from lane_dp_ros.messages.lanes import lane_colour
 
 Image8 = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -35,7 +36,10 @@ MARGIN = 44  # px left of the bird's-eye view, for the distances
 
 
 def draw_overlay(left_image: Image8, lanes: Iterable[Lane], camera: StereoCamera) -> Image8:
-    """Return the left image (H, W) gray or (H, W, 3) BGR as BGR with `lanes` (left optical frame)."""
+    """Return the left image (H, W) gray or (H, W, 3) BGR as BGR with `lanes`.
+
+    These are lanes and road edges in the left optical frame.
+    """
     picture = _bgr(left_image)
     _draw_lanes(picture, lanes, camera.project)
     return picture
@@ -44,7 +48,8 @@ def draw_overlay(left_image: Image8, lanes: Iterable[Lane], camera: StereoCamera
 def draw_birds_eye(birds_eye: BirdsEyeView, left_image: Image8, lanes: Iterable[Lane]) -> Image8:
     """Return the bird's-eye view of the left image as BGR, 20 px to the metre, with a 5 m grid and `lanes`.
 
-    The numbers at the left are metres along the road, those at the bottom metres right of the camera's foot.
+    These are lanes and road edges in the left optical frame. The numbers at the left are metres along the
+    road, those at the bottom metres right of the camera's foot.
     """
     per_row, per_column = (metres * PIXELS_PER_METRE for metres in birds_eye.resolution)
     rows, columns = birds_eye.image.shape
@@ -78,7 +83,7 @@ def _with_margin(view: Image8) -> Image8:
 
 
 def _colour(lane: Lane) -> tuple[float, float, float]:
-    red, green, blue = COLOURS[lane.role]
+    red, green, blue = lane_colour(lane)
     return 255 * blue, 255 * green, 255 * red
 
 
@@ -98,19 +103,39 @@ def _ahead(points: Floats) -> Floats:
 
 
 def _draw_lanes(picture: Image8, lanes: Iterable[Lane], to_pixels: Callable[[Floats], Floats]) -> None:
-    """Draw outlines and, above them all, labels; `to_pixels` takes points (N, 3) to the picture (N, 2)."""
+    """Draw road edges, lanes and, above them all, labels, those of the lanes last.
+
+    `to_pixels` takes points (N, 3) to the picture (N, 2).
+    """
     drawable = [lane for lane in lanes if np.count_nonzero(lane.points[:, 2] > NEAREST) >= 2]
+    drawable.sort(key=lambda lane: lane.kind != "edge")
     for lane in drawable:
-        _draw_outline(picture, to_pixels(_outline(lane)), _colour(lane))
+        if lane.kind == "edge":
+            _draw_dots(picture, to_pixels(_ahead(lane.points)), _colour(lane))
+        else:
+            _draw_outline(picture, to_pixels(_outline(lane)), _colour(lane))
     for lane in drawable:
         _draw_label(picture, to_pixels(_ahead(lane.points)), lane)
 
 
 def _draw_outline(picture: Image8, pixels: Floats, colour: tuple[float, float, float]) -> None:
-    thickness = max(1, round(picture.shape[1] / 1500))
+    cv2.polylines(picture, [_fixed(pixels)], True, colour, _thickness(picture), cv2.LINE_AA, SUBPIXEL_BITS)
+
+
+def _draw_dots(picture: Image8, pixels: Floats, colour: tuple[float, float, float]) -> None:
+    """Draw every other step of a line, whose points (N, 2) are at most 0.5 m apart."""
+    steps = [_fixed(pixels[i : i + 2]) for i in range(0, len(pixels) - 1, 2)]
+    cv2.polylines(picture, steps, False, colour, _thickness(picture), cv2.LINE_AA, SUBPIXEL_BITS)
+
+
+def _fixed(pixels: Floats) -> NDArray[np.int32]:
+    """Return pixels (N, 2) as OpenCV draws parts of them."""
     fixed = np.clip(pixels, -FAR_OUTSIDE, FAR_OUTSIDE) * 2**SUBPIXEL_BITS
-    corners = [np.rint(fixed).astype(np.int32).reshape(-1, 1, 2)]
-    cv2.polylines(picture, corners, True, colour, thickness, cv2.LINE_AA, SUBPIXEL_BITS)
+    return np.rint(fixed).astype(np.int32).reshape(-1, 1, 2)
+
+
+def _thickness(picture: Image8) -> int:
+    return max(1, round(picture.shape[1] / 1500))
 
 
 def _draw_label(picture: Image8, pixels: Floats, lane: Lane) -> None:
@@ -118,7 +143,7 @@ def _draw_label(picture: Image8, pixels: Floats, lane: Lane) -> None:
     rows, columns = picture.shape[:2]
     inside = np.all((pixels >= 0) & (pixels < (columns, rows)), axis=1)
     if inside.any():
-        name = lane.role.replace("ego_", "")
+        name = ("edge " if lane.kind == "edge" else "") + lane.role.replace("ego_", "")
         identity = f" {lane.id}" if lane.id >= 0 else ""
         _draw_text(picture, f"{name}{identity} {lane.confidence:.2f}", pixels[inside][0], _colour(lane))
 

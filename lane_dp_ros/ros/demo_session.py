@@ -35,6 +35,7 @@ Process = subprocess.Popen[bytes]
 
 OUTPUTS = {
     "lanes": (MarkerArray, "visualization_msgs/msg/MarkerArray"),
+    "road_edges": (MarkerArray, "visualization_msgs/msg/MarkerArray"),
     "ipm/image": (Image, "sensor_msgs/msg/Image"),
     "overlay/image": (Image, "sensor_msgs/msg/Image"),
 }
@@ -71,7 +72,7 @@ class Session:
 
 
 def run_session(reader: BagReader, writer: BagWriter, log: Path, rate: float | None = None) -> Session:
-    """Play a bag into a new lane_detector process and record its `lanes`, `ipm/image` and `overlay/image`.
+    """Play a bag into a new lane_detector process and record what it publishes, see `OUTPUTS`.
 
     The bag is played `rate` times as fast as it was recorded. Without a rate, a few of its pairs measure
     first what this machine keeps up with, and then each pair waits, if need be, for the answer to the one

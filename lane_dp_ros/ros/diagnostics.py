@@ -50,6 +50,7 @@ class FrameReport:
     note: str = ""
     failed: bool = False
     check: CalibrationStatus = UNCHECKED
+    road_edges: int = 0
 
 
 @dataclass(frozen=True)
@@ -161,6 +162,7 @@ class Health:
             "left images alone": str(counts.alone),
             "frames failed": str(self._failed),
             "lanes": str(last.lanes),
+            "road edges": str(last.road_edges),
             "note": last.note,
             "road profile": last.road_profile,
             "camera height [m]": _number(last.camera_height, 2),

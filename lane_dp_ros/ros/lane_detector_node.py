@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS node: rectified stereo images in, lanes out."""
+"""The ROS node: rectified stereo images in, lanes and road edges out."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from visualization_msgs.msg import MarkerArray
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.messages.dds_profile import use_dds_profile
 from lane_dp_ros.messages.errors import one_line
-from lane_dp_ros.messages.lanes import lanes_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros, road_edges_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
 from lane_dp_ros.messages.stereo_sync import StereoPair
@@ -42,7 +42,7 @@ DEVIATION_DEPTH = 25.0  # m; where it is told how sure the road's depth is
 
 
 class LaneDetectorNode(Node):
-    """Subscribes to a stereo camera and publishes lanes.
+    """Subscribes to a stereo camera and publishes lanes and road edges.
 
     Callbacks only store what comes; one worker thread converts, detects and publishes, always on the newest
     complete pair, another one draws pictures. Call `destroy_node()` before ROS is shut down: it ends them.
@@ -58,6 +58,7 @@ class LaneDetectorNode(Node):
         self._health = Health()
         self._logged: tuple[str, float] = ("", 0.0)
         self._lanes = self.create_publisher(MarkerArray, "lanes", DEPTH)
+        self._road_edges = self.create_publisher(MarkerArray, "road_edges", DEPTH)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", DEPTH)
         config = self._live.node_config
         self._stereo = StereoSubscriber(
@@ -98,6 +99,8 @@ class LaneDetectorNode(Node):
         start = time.perf_counter()
         header, lifetime = pair.left.header, self._live.node_config.lane_lifetime
         publish(self, self._lanes, lanes_to_ros(result.lanes, header, rclpy_message, lifetime))
+        edges = road_edges_to_ros(result.road_edges, header, rclpy_message, lifetime)
+        publish(self, self._road_edges, edges)
         now = time.monotonic()
         seconds = {
             **result.seconds,
@@ -145,6 +148,7 @@ def _frame_report(result: FrameResult, now: float, latency: float, seconds: dict
         time=now,
         latency=latency,
         lanes=len(result.lanes),
+        road_edges=len(result.road_edges),
         seconds=seconds,
         camera_height=road.camera_height if road else None,
         pitch=road.pitch if road else None,

@@ -57,12 +57,12 @@ class PicturePublisher:
         self.seconds = time.perf_counter() - start
 
     def _draw(self, result: FrameResult, header: Any) -> None:
-        left = result.frame.left
+        left, lines = result.frame.left, result.lanes + result.road_edges
         if result.camera is not None and is_watched(self._node, self._overlay):
-            self._publish(self._overlay, draw_overlay(left, result.lanes, result.camera), header)
+            self._publish(self._overlay, draw_overlay(left, lines, result.camera), header)
         view = result.detection.birds_eye if result.detection else None
         if view is not None and is_watched(self._node, self._birds_eye):
-            self._publish(self._birds_eye, draw_birds_eye(view, left, result.lanes), header)
+            self._publish(self._birds_eye, draw_birds_eye(view, left, lines), header)
 
     def _publish(self, publisher: Any, picture: Image8, header: Any) -> None:
         publish(self._node, publisher, image_to_ros(picture, header, rclpy_message))

@@ -45,15 +45,17 @@ class Result:
 
     pairs: int
     lanes_per_frame: list[int]
+    road_edges: int
     latencies_ms: NDArray[np.float64]
     rate: float
 
     def __str__(self) -> str:
-        lanes = np.mean(self.lanes_per_frame)
+        lanes, edges = np.mean(self.lanes_per_frame), self.road_edges / len(self.lanes_per_frame)
         median, high = np.percentile(self.latencies_ms, [50, 95])
         return (
             f"{len(self.lanes_per_frame)} of {self.pairs} pairs answered, {lanes:.2f} lanes per frame, "
-            f"latency {median:.0f} ms (95 %: {high:.0f} ms), {self.rate:.1f} frames/s"
+            f"latency {median:.0f} ms (95 %: {high:.0f} ms), {self.rate:.1f} frames/s, "
+            f"{edges:.2f} road edges per frame"
         )
 
 
@@ -80,7 +82,7 @@ def run_demo(folder: Path, session_module: SessionModule, rate: float | None, co
             raise CommandError(f"no lanes message came from lane_detector, see {log}")
     _write_strip(answers, "/overlay/image", folder / "overlay.png", np.vstack)
     _write_strip(answers, "/ipm/image", folder / "ipm.png", np.hstack)
-    result = _result(session)
+    result = _result(session, _count_road_edges(answers))
     print(f"{answers}: played at {RATE * session.rate:.3g} Hz, {result}")
     print(f"pictures, to be looked at: {folder / 'overlay.png'}, {folder / 'ipm.png'}")
     if not any(result.lanes_per_frame):
@@ -112,7 +114,12 @@ def _render(writer: BagWriter) -> None:
         bag.write(pair)
 
 
-def _result(session: Any) -> Result:
+def _count_road_edges(bag: Path) -> int:
+    with BagReader(bag) as reader:
+        return sum(len(lanes_from_ros(message)) for *_, message in reader.messages(["/road_edges"]))
+
+
+def _result(session: Any, road_edges: int) -> Result:
     messages: list[Any] = [typestore().deserialize_cdr(data, MARKER_ARRAY) for _, data in session.answers]
     arrived_ns = [arrived for arrived, _ in session.answers]
     stamps_ns = [stamp_from_ros(message.markers[0].header.stamp) for message in messages]
@@ -121,6 +128,7 @@ def _result(session: Any) -> Result:
     return Result(
         pairs=len(session.sent_ns),
         lanes_per_frame=[len(lanes_from_ros(message)) for message in messages],
+        road_edges=road_edges,
         latencies_ms=np.array(latencies) / NS_PER_MS,
         rate=(len(messages) - 1) / seconds if seconds else 0.0,
     )

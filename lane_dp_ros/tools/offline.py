@@ -20,7 +20,7 @@ from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.errors import CommandError, one_line
 from lane_dp_ros.messages.image import image_to_ros
-from lane_dp_ros.messages.lanes import lanes_to_ros
+from lane_dp_ros.messages.lanes import lanes_to_ros, road_edges_to_ros
 from lane_dp_ros.messages.node_config import (
     NodeConfig,
     all_parameters,
@@ -61,6 +61,7 @@ class Summary:
     """What was found, as text by `str()`."""
 
     lanes_per_pair: list[int] = field(default_factory=list)
+    road_edges: int = 0
     seconds: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     problems: Counter[str] = field(default_factory=Counter)
     unpaired: int = 0
@@ -73,6 +74,7 @@ class Summary:
             self.problems[answer] += 1
             return
         self.lanes_per_pair.append(len(answer.lanes))
+        self.road_edges += len(answer.road_edges)
         if answer.problem:
             self.problems[answer.problem] += 1
         if answer.detection is not None:
@@ -82,7 +84,10 @@ class Summary:
     def __str__(self) -> str:
         pairs, lanes = len(self.lanes_per_pair), sum(self.lanes_per_pair)
         empty = self.lanes_per_pair.count(0)
-        lines = [f"{pairs} pairs, {lanes / pairs:.2f} lanes per pair, {empty} pairs without lanes"]
+        lines = [
+            f"{pairs} pairs, {lanes / pairs:.2f} lanes per pair, {empty} pairs without lanes",
+            f"{self.road_edges / pairs:.2f} road edges per pair",
+        ]
         if self.unpaired:
             lines.append(f"{self.unpaired} images without a partner")
         lines += [f"  {count} x {problem}" for problem, count in self.problems.most_common(5)]
@@ -97,10 +102,11 @@ class Summary:
 def detect_bag(
     reader: BagReader, writer: BagWriter, node: NodeConfig, detector: DetectorConfig, jobs: int = 1
 ) -> Summary:
-    """Write `lanes`, `ipm/image`, `overlay/image` and the camera infos for every pair, with a progress bar.
+    """Write `lanes`, `road_edges`, both pictures and the camera infos for every pair, with a progress bar.
 
-    What is written does not depend on `jobs`, the number of processes. A pair that cannot be read is
-    skipped, as by the node. Raises CommandError when the bag has no stereo pairs, or none that can be used.
+    The pictures are `ipm/image` and `overlay/image`. What is written does not depend on `jobs`, the number of
+    processes. A pair that cannot be read is skipped, as by the node. Raises CommandError when the bag has no
+    stereo pairs, or none that can be used.
     """
     topics = find_stereo_topics(reader)
     sync, summary = sync_of_bag(node.sync_tolerance), Summary()
@@ -162,12 +168,15 @@ def _write_answer(
 ) -> None:
     header, time_ns = bag_pair.pair.left.header, bag_pair.time_ns
     lanes = lanes_to_ros(answer.lanes, header, bag_message, lifetime)
+    edges = road_edges_to_ros(answer.road_edges, header, bag_message, lifetime)
     writer.write(f"{namespace}/lanes", time_ns, lanes)
+    writer.write(f"{namespace}/road_edges", time_ns, edges)
     for side, info in zip(SIDES, bag_pair.infos, strict=True):  # what the lanes are projected with
         writer.write(f"{namespace}/{side}/camera_info", time_ns, info)
+    lines = answer.lanes + answer.road_edges
     if answer.camera is not None:
-        overlay = draw_overlay(answer.frame.left, answer.lanes, answer.camera)
+        overlay = draw_overlay(answer.frame.left, lines, answer.camera)
         writer.write(f"{namespace}/overlay/image", time_ns, image_to_ros(overlay, header, bag_message))
     if answer.detection is not None and answer.detection.birds_eye is not None:
-        view = draw_birds_eye(answer.detection.birds_eye, answer.frame.left, answer.lanes)
+        view = draw_birds_eye(answer.detection.birds_eye, answer.frame.left, lines)
         writer.write(f"{namespace}/ipm/image", time_ns, image_to_ros(view, header, bag_message))

@@ -7,7 +7,7 @@ import pytest
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
-from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
+from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame, with_roles
 
 GREY = np.zeros((20, 30), np.uint8)
 
@@ -77,3 +77,27 @@ def test_extent_is_the_depth_of_the_nearest_and_farthest_point():
     lane = Lane(points, 0.8, 0.15, "ego_left", 0.0, -1.7)
     assert lane.extent == (5.0, 6.0)
     assert lane.id == -1  # nobody has tracked it yet
+
+
+def line_at(offset, kind=""):
+    points = np.array([[offset, 1.65, 5.0], [offset, 1.65, 5.5]])
+    return Lane(points, 0.9, 0.15, "other", 0.0, offset, kind=kind)
+
+
+def test_lanes_and_road_edges_have_roles_among_themselves():
+    mixed = [
+        line_at(-5.0),
+        line_at(-1.5, "edge"),
+        line_at(-1.75, "solid"),
+        line_at(2.0),
+        line_at(1.0, "edge"),
+        line_at(4.0, "edge"),
+    ]
+    roles = [line.role for line in with_roles(mixed)]
+    assert roles == ["other", "ego_left", "ego_left", "ego_right", "ego_right", "other"]
+
+
+def test_a_lane_keeps_its_role_beside_a_road_edge_that_is_nearer():
+    lanes = with_roles([line_at(-1.75), line_at(1.75)])
+    assert [lane.role for lane in lanes] == ["ego_left", "ego_right"]
+    assert with_roles([*lanes, line_at(0.5, "edge")])[:2] == lanes

@@ -58,6 +58,55 @@ def test_roles_have_their_own_colours() -> None:
     assert rows[2] == 2  # yellow, red strongest
 
 
+def violet(picture: np.ndarray) -> np.ndarray:
+    """Where a picture has the colour of road edges, on black or grey."""
+    blue, green, red = np.moveaxis(picture.astype(int), 2, 0)
+    return (blue - green > 60) & (red - green > 50)
+
+
+def road_edge(x: float, role: str) -> Lane:
+    return lane(x, role, kind="edge", paint_width=0.0)
+
+
+@pytest.mark.parametrize("role", ["ego_left", "ego_right", "other"])
+def test_a_road_edge_is_a_violet_line_on_the_border_with_gaps(role: str) -> None:
+    picture = draw_overlay(np.zeros(SHAPE, np.uint8), [road_edge(4.0, role)], CAMERA)
+    near, far = (round(float(CAMERA.project([[4.0, HEIGHT, z]])[0, 1])) for z in (8.0, 20.0))
+    drawn = violet(picture)
+    rows = np.arange(far, near)
+    has_line = np.array([drawn[row, row_column(row) - 2 : row_column(row) + 3].any() for row in rows])
+    assert 0.3 < has_line.mean() < 0.8  # it is dotted
+    beside = np.array([drawn[row, row_column(row) + 6 : row_column(row) + 30].any() for row in rows])
+    assert not beside[: len(rows) // 2].any()  # and thin; the label comes where the line begins
+
+
+def row_column(row: int) -> int:
+    """The column of the overlay in which a line 4 m right of the camera is in a row."""
+    z = CAMERA.fy * HEIGHT / (row - CAMERA.cy)
+    return round(CAMERA.cx + CAMERA.fx * 4.0 / z)
+
+
+def test_road_edges_and_lanes_are_told_apart_from_above() -> None:
+    image = np.full(SHAPE, 80, np.uint8)
+    view = birds_eye(image)
+    lanes = [lane(-1.8, "ego_left"), lane(1.8, "ego_right")]
+    assert not violet(draw_birds_eye(view, image, lanes)).any()
+    picture = draw_birds_eye(view, image, [*lanes, road_edge(-4.0, "ego_left")])
+    margin = picture.shape[1] - round(12 * PIXELS_PER_METRE)
+    columns = np.flatnonzero(violet(picture)[: picture.shape[0] // 2].any(axis=0))
+    offsets = (columns + 0.5 - margin) / PIXELS_PER_METRE - 6.0
+    assert len(offsets) and np.all(np.abs(offsets + 4.0) < 0.15)
+
+
+def test_a_lane_is_drawn_above_a_road_edge_whichever_comes_first() -> None:
+    both = [lane(1.8, "ego_right"), road_edge(1.85, "ego_right")]
+    image = np.zeros(SHAPE, np.uint8)
+    pictures = [draw_overlay(image, lines, CAMERA) for lines in (both, both[::-1], both[:1])]
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    blue = (pictures[2][..., 0] > 200) & ~violet(pictures[2])
+    assert not violet(pictures[0])[blue].any()
+
+
 def test_no_lanes_no_marks() -> None:
     image = np.full((*SHAPE, 3), 80, np.uint8)
     np.testing.assert_array_equal(draw_overlay(image, [], CAMERA), image)

@@ -65,9 +65,10 @@ class Rig:
         self.node = LaneDetectorNode(**options, **node_options) if with_node else None
         self.other = Node("other", **options)
         self._nodes = [self.node, self.other] if with_node else [self.other]
-        self.arrays, self.statuses = [], []
+        self.arrays, self.edge_arrays, self.statuses = [], [], []
         self._listened = [
             self.listen(MarkerArray, "lanes", self.arrays.append),
+            self.listen(MarkerArray, "road_edges", self.edge_arrays.append),
             self.listen(DiagnosticArray, "/diagnostics", lambda msg: self.statuses.extend(msg.status)),
         ]
         self.image_publishers = self._publishers(Image, "image_rect")
@@ -132,16 +133,22 @@ class Rig:
             self.image_publishers[side].publish(message)
         return stamp_ns
 
-    def answers(self, stamp_ns):
-        """The messages on `lanes` so far that answer the pair of that stamp."""
-        stamp = self.header(stamp_ns).stamp
-        return [array for array in self.arrays if array.markers[0].header.stamp == stamp]
+    def answers(self, stamp_ns, arrays=None):
+        """The messages so far, on `lanes` unless others are given, that answer the pair of that stamp."""
+        stamp, arrays = self.header(stamp_ns).stamp, self.arrays if arrays is None else arrays
+        return [array for array in arrays if array.markers[0].header.stamp == stamp]
 
     def answer(self, stamp_ns):
         """The lanes that answer the pair of that stamp; waits for them."""
         array = self.wait(lambda: self.answers(stamp_ns))[0]
         assert (array.markers[0].action, array.markers[0].ns) == (3, "lanes")
         return lanes_from_ros(array)
+
+    def edge_answer(self, stamp_ns):
+        """The message on `road_edges` that answers the pair of that stamp; waits for it."""
+        (array,) = self.wait(lambda: self.answers(stamp_ns, self.edge_arrays))
+        assert (array.markers[0].action, array.markers[0].ns) == (3, "road_edges")
+        return array
 
     def warm_up(self):
         """Send until the first answer: a node in another process may not have found this camera yet."""
@@ -160,8 +167,9 @@ class Rig:
         self.assert_one_answer_each()
 
     def assert_one_answer_each(self):
-        stamps = [(m.markers[0].header.stamp.sec, m.markers[0].header.stamp.nanosec) for m in self.arrays]
-        assert len(stamps) == len(set(stamps))
+        for arrays in (self.arrays, self.edge_arrays):
+            stamps = [(m.markers[0].header.stamp.sec, m.markers[0].header.stamp.nanosec) for m in arrays]
+            assert len(stamps) == len(set(stamps))
 
     def diagnosis(self, text, level):
         """The first status with that text in its message; waits for it."""

@@ -51,6 +51,7 @@ def test_rate_latency_and_stages_are_those_of_the_last_seconds():
             0.02,
             road_profile="measured",
             note="fine",
+            road_edges=2,
         )
         health.answered(report)
     level, message, values = health.summary(20.1, counts(matched=22), TOPICS)
@@ -60,7 +61,8 @@ def test_rate_latency_and_stages_are_those_of_the_last_seconds():
     assert values["latency p95 [ms]"] == "40.0"
     assert values["stage disparity [ms]"] == "10.00"
     assert (values["camera height [m]"], values["camera pitch [rad]"]) == ("1.65", "0.0200")
-    assert (values["lanes"], values["note"], values["road profile"]) == ("3", "fine", "measured")
+    assert (values["lanes"], values["road edges"], values["note"]) == ("3", "2", "fine")
+    assert values["road profile"] == "measured"
 
 
 def test_a_failed_frame_is_an_error_until_the_next_report():

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the node promises, on a rendered road: see its topics in the README."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -9,7 +11,10 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, Image
 
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.image import image_from_ros
+from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.scenes import CAMERA, SIZE
 
 OK, WARN = b"\x00", b"\x01"
@@ -29,6 +34,56 @@ def test_lanes_are_what_the_interface_promises(rig):
         assert np.all(steps[:, 2] > 0) and np.linalg.norm(steps, axis=1).max() <= 0.5
         u, v = CAMERA.project(lane.points).T
         assert np.all((u >= 0) & (u < SIZE[0]) & (v > CAMERA.cy) & (v < SIZE[1]))
+
+
+def seen_road_edges(monkeypatch, *offsets):
+    """Have the detector see road edges at offsets [m] on the rendered road."""
+    z, detect = np.arange(6.0, 25.0, 0.25), LaneDetector.detect
+    edges = tuple(
+        Lane(
+            np.column_stack([np.full_like(z, x), np.full_like(z, 1.65), z]),
+            0.75,
+            0.0,
+            "other",
+            0.0,
+            x,
+            kind="edge",
+        )
+        for x in offsets
+    )
+    monkeypatch.setattr(LaneDetector, "detect", lambda *a: replace(detect(*a), road_edges=edges))
+
+
+def test_road_edges_are_what_the_interface_promises(rig, monkeypatch):
+    seen_road_edges(monkeypatch, -4.2, 4.2, 7.0)
+    rig.send_infos()
+    ids = []
+    for _ in range(2):
+        stamp_ns = rig.send()
+        array = rig.edge_answer(stamp_ns)
+        assert all(marker.header == rig.header(stamp_ns) for marker in array.markers)
+        namespaces = [marker.ns for marker in array.markers[1:]]
+        assert namespaces == ["road_edge_left", "road_edge_right", "road_edge"]
+        for marker, edge in zip(array.markers[1:], lanes_from_ros(array), strict=True):
+            assert edge.kind == "edge" and marker.type == marker.LINE_STRIP and marker.scale.x > 0
+            assert marker.color.a == 0.75
+            assert marker.lifetime.sec + marker.lifetime.nanosec / 1e9 == 0.5
+        ids.append([marker.id for marker in array.markers[1:]])
+        assert {"ego_left", "ego_right"} <= {lane.role for lane in rig.answer(stamp_ns)}
+    assert ids[0] == ids[1] and len(set(ids[0])) == 3
+    assert rig.diagnosis("lanes in the last frame", OK)["road edges"] == "3"
+
+
+def test_every_pair_is_answered_on_road_edges_too_also_with_none(rig, monkeypatch):
+    seen_road_edges(monkeypatch)
+    rig.send_infos()
+    stamps = [rig.send()]
+    rig.edge_answer(stamps[0])
+    stamps.append(rig.send())
+    arrays = [rig.edge_answer(stamp_ns) for stamp_ns in stamps]
+    assert [len(array.markers) for array in arrays] == [1, 1]
+    assert [array.markers[0].header for array in arrays] == [rig.header(stamp_ns) for stamp_ns in stamps]
+    assert len(rig.edge_arrays) == len(rig.arrays) == 2
 
 
 def test_the_same_line_keeps_its_id(rig):

@@ -56,7 +56,9 @@ def test_a_pair_long_before_the_first_camera_info_is_stale(rig):
 def test_a_calibration_that_makes_no_stereo_camera(rig, left, right, message):
     rig.assert_lives()
     rig.send_infos(left, right)
-    assert rig.answer(rig.send()) == ()
+    stamp_ns = rig.send()
+    assert rig.answer(stamp_ns) == ()
+    assert len(rig.edge_answer(stamp_ns).markers) == 1
     rig.diagnosis(message, ERROR)
     rig.assert_lives()
 
@@ -91,7 +93,7 @@ def test_an_image_that_cannot_be_read_gets_no_answer(rig, scene_pair, field, val
     stamp_ns = rig.send(right=broken)
     values = rig.diagnosis(message, ERROR)
     assert values["frames failed"] == "1"
-    assert rig.answers(stamp_ns) == []
+    assert rig.answers(stamp_ns) == rig.answers(stamp_ns, rig.edge_arrays) == []
     rig.assert_lives()
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""`lane_dp run` and the node give the same lanes for the same bag, message by message."""
+"""`lane_dp run` and the node give the same lanes and road edges for the same bag, message by message."""
 
 import time
 
@@ -25,24 +25,25 @@ P_RIGHT = P_LEFT - np.array([[0, 0, 0, CAMERA.fx * CAMERA.baseline], [0] * 4, [0
 
 
 def stamped(message):
-    """The stamp [ns] of a `lanes` message, and what it tells, whichever library it is read by."""
+    """The stamp [ns] of a message of markers, and what it tells, whichever library it is read by."""
     told = [
-        (m.ns, m.id, round(m.color.a, 6), m.scale.x, [(p.x, p.y, p.z) for p in m.points])
+        (m.ns, m.id, m.text, round(m.color.a, 6), m.scale.x, [(p.x, p.y, p.z) for p in m.points])
         for m in message.markers
     ]
     return stamp_from_ros(message.markers[0].header.stamp), told
 
 
 def offline_lanes(bag, out, jobs):
-    """The `lanes` that `lane_dp run` writes, by stamp [ns], in order."""
+    """The `lanes` and the `road_edges` that `lane_dp run` writes, by stamp [ns], in order."""
     with BagReader(bag) as reader, BagWriter(out) as writer:
         detect_bag(reader, writer, NodeConfig(), DetectorConfig(), jobs)
     with BagReader(out) as reader:
-        return [stamped(message) for *_, message in reader.messages(["/lanes"])]
+        topics = ("/lanes", "/road_edges")
+        return [[stamped(message) for *_, message in reader.messages([topic])] for topic in topics]
 
 
 def node_lanes(rig, pairs, stamps, P_left, P_right):
-    """The `lanes` that the node publishes; each pair is sent when the one before is answered."""
+    """The same of the node; each pair is sent when the one before is answered."""
     size = pairs[0].left.shape[1], pairs[0].left.shape[0]
     rig.send_infos(P_left.ravel().tolist(), P_right.ravel().tolist(), size)
     for pair in pairs:
@@ -51,9 +52,10 @@ def node_lanes(rig, pairs, stamps, P_left, P_right):
                 rig.image_publishers[side].publish(rig.image(image, pair.stamp_ns))
         if pair.stamp_ns in stamps:
             rig.wait(lambda stamp_ns=pair.stamp_ns: rig.answers(stamp_ns))
+            rig.edge_answer(pair.stamp_ns)
         else:
             time.sleep(0.2)  # no answer tells that the node has taken it; it keeps five at most
-    return [stamped(message) for message in rig.arrays]
+    return [[stamped(message) for message in arrays] for arrays in (rig.arrays, rig.edge_arrays)]
 
 
 def write_bag(path, pairs, P_left, P_right):
@@ -113,9 +115,10 @@ def test_rendered_drives(name, tmp_path, make_rig):
     write_bag(tmp_path / "drive", pairs, P_LEFT, P_RIGHT)
     one, two = (offline_lanes(tmp_path / "drive", tmp_path / f"out{jobs}", jobs) for jobs in (1, 2))
     assert one == two
-    found = node_lanes(make_rig(), pairs, {stamp for stamp, _ in one}, P_LEFT, P_RIGHT)
+    lanes, _ = one
+    found = node_lanes(make_rig(), pairs, {stamp for stamp, _ in lanes}, P_LEFT, P_RIGHT)
     assert found == one
-    assert sum(len(markers) > 1 for _, markers in one) > len(one) / 2  # there are lanes to differ
+    assert sum(len(markers) > 1 for _, markers in lanes) > len(lanes) / 2  # there are lanes to differ
 
 
 @pytest.mark.parametrize(("sequence", "frames"), [("01", 51), ("02", 20)])
@@ -125,5 +128,6 @@ def test_real_drives(sequence, frames, tmp_path, make_rig, kitti_data):
     assert len(pairs) == frames
     write_bag(tmp_path / "drive", pairs, drive.P_left, drive.P_right)
     one = offline_lanes(tmp_path / "drive", tmp_path / "out", 2)
-    found = node_lanes(make_rig(), pairs, {stamp for stamp, _ in one}, drive.P_left, drive.P_right)
-    assert len(one) == frames and found == one
+    stamps = {stamp for stamp, _ in one[0]}
+    found = node_lanes(make_rig(), pairs, stamps, drive.P_left, drive.P_right)
+    assert [len(messages) for messages in one] == [frames, frames] and found == one

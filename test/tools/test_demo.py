@@ -69,21 +69,30 @@ def demo(tmp_path_factory) -> tuple[Path, str]:
 
 
 def test_summary(demo) -> None:
-    _, printed = demo
-    pattern = r"(\d+) of (\d+) pairs answered, ([\d.]+) lanes per frame, latency \d+ ms .* ([\d.]+) frames/s"
-    answered, pairs, lanes, rate = re.search(pattern, printed).groups()
+    folder, printed = demo
+    pattern = (
+        r"(\d+) of (\d+) pairs answered, ([\d.]+) lanes per frame, latency \d+ ms .* "
+        r"([\d.]+) frames/s, ([\d.]+) road edges per frame"
+    )
+    answered, pairs, lanes, rate, edges = re.search(pattern, printed).groups()
     assert int(pairs) == FRAMES
     assert int(answered) >= 0.9 * FRAMES
     assert 1.5 < float(lanes) < 3.5
+    with BagReader(folder / "lanes.mcap") as reader:
+        counts = [len(message.markers) - 1 for _, _, message in reader.messages(["/road_edges"])]
+    assert float(edges) == pytest.approx(sum(counts) / len(counts), abs=0.005)
     assert "played into lane_detector at 2.5 Hz" in printed
     assert float(rate) < 3
 
 
 def test_lanes_and_pictures_are_recorded(demo) -> None:
     with BagReader(demo[0] / "lanes.mcap") as reader:
-        assert set(reader.topics) == {"/lanes", "/ipm/image", "/overlay/image"}
+        assert set(reader.topics) == {"/lanes", "/road_edges", "/ipm/image", "/overlay/image"}
         arrays = [message for _, _, message in reader.messages(["/lanes"])]
         assert reader.message_count(["/overlay/image"]) == len(arrays)
+        edges = [message for _, _, message in reader.messages(["/road_edges"])]
+    headers = [[message.markers[0].header.stamp for message in each] for each in (arrays, edges)]
+    assert headers[0] == headers[1]
     roles = [{lane.role for lane in lanes_from_ros(array)} for array in arrays]
     assert sum({"ego_left", "ego_right"} <= found for found in roles) >= 0.8 * len(arrays)
 

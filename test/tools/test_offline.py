@@ -13,13 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader, BagWriter, bag_message
 from lane_dp_ros.messages.image import image_from_ros
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
 
-OUTPUTS = ("lanes", "ipm/image", "overlay/image", "left/camera_info", "right/camera_info")
+OUTPUTS = ("lanes", "road_edges", "ipm/image", "overlay/image", "left/camera_info", "right/camera_info")
 
 
 def written(path: Path) -> dict[str, list]:
@@ -74,6 +76,33 @@ def test_every_pair_is_answered(write_stereo_bag, scene_pairs, capsys, jpeg, sto
     out = capsys.readouterr().out
     assert "3 pairs" in out
     assert "disparity" in out
+
+
+def road_edge(x: float) -> Lane:
+    z = np.arange(6.0, 25.0, 0.25)
+    points = np.column_stack([np.full_like(z, x), np.full_like(z, 1.65), z])
+    return Lane(points, 0.75, 0.0, "other", 0.0, x, kind="edge")
+
+
+def test_road_edges_are_written_drawn_and_counted(write_stereo_bag, scene_pairs, capsys, monkeypatch) -> None:
+    detect, edges = LaneDetector.detect, (road_edge(-4.2), road_edge(4.2))
+    monkeypatch.setattr(LaneDetector, "detect", lambda *a: replace(detect(*a), road_edges=edges))
+    messages = written(run(write_stereo_bag(scene_pairs)))
+    assert "2.00 road edges per pair" in capsys.readouterr().out
+    for pair, array in zip(scene_pairs, messages["/road_edges"], strict=True):
+        assert [marker.ns for marker in array.markers] == ["road_edges", "road_edge_left", "road_edge_right"]
+        assert array.markers[0].action == 3
+        stamps = {(marker.header.stamp.sec, marker.header.stamp.nanosec) for marker in array.markers}
+        assert stamps == {divmod(pair.stamp_ns, 10**9)}
+        found = lanes_from_ros(array)
+        assert [edge.kind for edge in found] == ["edge", "edge"]
+        np.testing.assert_allclose(found[0].points[:, 0], -4.2, atol=1e-3)
+    ids = [[edge.id for edge in lanes_from_ros(array)] for array in messages["/road_edges"]]
+    assert ids[0] == ids[1] == ids[2] == [0, 1]
+    assert all(lane.kind != "edge" for array in messages["/lanes"] for lane in lanes_from_ros(array))
+    for topic in ("/overlay/image", "/ipm/image"):
+        blue, green, red = np.moveaxis(image_from_ros(messages[topic][0]).astype(int), 2, 0)
+        assert np.count_nonzero((blue - green > 100) & (red - green > 80)) > 50  # violet
 
 
 def broken_stereo_bag(write_stereo_bag, scene_pairs, path: Path) -> Path:

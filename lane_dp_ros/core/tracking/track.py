@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from lane_dp_ros.core.tracking.association import agreement, match_in_order, strayed
 from lane_dp_ros.core.tracking.frenet_line import FrenetLine, common_axis, first_axis, surface_change
 from lane_dp_ros.core.tracking.motion_filter import Aside, MotionFilter
+from lane_dp_ros.core.tracking.paint_vote import PaintVote
 from lane_dp_ros.core.types import Lane
 
 COMPARED = 3.0  # m; lines that lie farther apart on the whole are not the same
@@ -29,7 +30,7 @@ class Detection:
 
 @dataclass
 class Track:
-    """A painted line: as it was last published, but `course` and `offset` [m] as of this frame."""
+    """A line or a road edge: as it was last published, but `course` and `offset` [m] as of this frame."""
 
     lane: Lane
     course: FrenetLine
@@ -37,6 +38,7 @@ class Track:
     born_ns: int
     last_seen_ns: int
     hits: int = 1
+    paint: PaintVote = field(default_factory=PaintVote)
 
 
 class TrackManager:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lanes over time: the same painted line keeps its id, runs smoothly, and outlasts a short loss."""
+"""Lanes over time: the same line keeps its id and kind, runs smoothly, and outlasts a short loss."""
 
 from __future__ import annotations
 
@@ -64,12 +64,13 @@ class TrackingConfig(Parameters):
 
 
 class LaneTracker:
-    """Follows lanes from frame to frame.
+    """Follows lanes, or road edges, from frame to frame.
 
-    It answers from the first frame on, which it leaves as it is. Lines that are seen again are smoothed; one
-    that was seen often and is lost is published where it must be by now, for `coast_time`, if nothing
-    contradicts, and so is one that was found on the paint of another; a line that comes back within a second
-    keeps its id. Unless `enabled`, lines get ids only.
+    It answers from the first frame on, which it leaves as it is. Lines that are seen again are smoothed, and
+    have the kind and the colour that most of their recent sightings had; one that was seen often and is lost
+    is published where it must be by now, for `coast_time`, if nothing contradicts, and so is one that was
+    found on the paint of another; a line that comes back within a second keeps its id. Unless `enabled`,
+    lines get ids only.
 
     `half_width` [m] is that of the view in which lines are found: one that leaves it sideways is not lost.
     """
@@ -157,13 +158,14 @@ class LaneTracker:
         line = self._tracks.tracks.get(identity)
         lane = replace(seen.lane, id=identity)
         if line is None:
-            offset = lane.lateral_offset
-            self._tracks.tracks[identity] = Track(lane, seen.course, offset, stamp_ns, stamp_ns)
-            return lane
+            line = Track(lane, seen.course, lane.lateral_offset, stamp_ns, stamp_ns)
+            line.lane = line.paint.steadied(lane)
+            self._tracks.tracks[identity] = line
+            return line.lane
         course = seen.course
         if self.config.enabled:
             course = self._tracks.smoothed(identity, course)
-            lane = replace(lane, points=course.points(self._tracks.axis))
+            lane = replace(line.paint.steadied(lane), points=course.points(self._tracks.axis))
         line.lane, line.course, line.offset = lane, course, lane.lateral_offset
         line.last_seen_ns, line.hits = stamp_ns, line.hits + 1
         return lane
