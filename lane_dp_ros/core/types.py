@@ -99,9 +99,9 @@ class Lane:
     `confidence` is in (0, 1]; `paint_width` [m]; `curvature` [1/m] is positive where the line bends to the
     right; `lateral_offset` [m] is the line's distance right of the camera at the vehicle (negative: left).
     `id` is the line's identity over time, -1 before tracking.
-    `kind` is that of the paint, or "edge" for a border of the carriageway that is not painted; "double" is one
-    of two lines side by side, whose own kinds, left and right, are its `sides`. `colour` is that of the paint.
-    Either is empty where it is not known, as the colour in a grey picture is.
+    `kind` is that of the paint, or "edge" for a border of the carriageway that is not painted; "double" is
+    one of two lines side by side, whose own kinds, left and right, are its `sides`. `colour` is that of the
+    paint. Either is empty where it is not known, as the colour in a grey picture is.
     """
 
     points: NDArray[np.float64]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""A candidate for a lane line: the path that proposes it, its line, its evidence, and why it was refused."""
+"""A candidate for a lane line: its path, its line, its evidence, its paint, and why it was refused."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lane_dp_ros.core.types import LaneKind, PaintColour
 
 Floats = NDArray[Any]
 Variant = Literal["path", "near half", "parallel"]
@@ -78,18 +80,28 @@ class LaneEvidence:
     """Number of pieces of paint that are long enough to be dashes."""
 
 
+@dataclass(frozen=True)
+class Marking:
+    """Kind and colour of a line's paint, and the kinds of both lines of a double one, as `Lane` has them."""
+
+    kind: LaneKind = ""
+    colour: PaintColour = ""
+    sides: tuple[LaneKind, LaneKind] | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """A line that may be a lane line, with its evidence; `refusal` says why it is none, empty where it is.
 
     `variant` says what proposed it: a path of the search, the nearer half of another candidate, or a parallel
-    to a lane line.
+    to a lane line. `marking` is told of those that are lane lines.
     """
 
     line: LaneLine
     evidence: LaneEvidence
     variant: Variant = "path"
     refusal: str = ""
+    marking: Marking = Marking()
 
     @property
     def score(self) -> float:

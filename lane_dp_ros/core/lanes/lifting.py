@@ -30,7 +30,7 @@ def to_lanes(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[Lane,
 
 
 def _lane(candidate: Candidate, view: BirdsEyeView, role: LaneRole) -> Lane:
-    line = candidate.line
+    line, marking = candidate.line, candidate.marking
     first, last = _seen(line, view)
     s = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
     radius = max(1 - view.axis.curvature * float(line.n[0]), MIN_RADIUS)
@@ -41,6 +41,9 @@ def _lane(candidate: Candidate, view: BirdsEyeView, role: LaneRole) -> Lane:
         role=role,
         curvature=view.axis.curvature / radius + line.bend,
         lateral_offset=float(line.n[0]),
+        kind=marking.kind,
+        colour=marking.colour,
+        sides=marking.sides,
     )
 
 
