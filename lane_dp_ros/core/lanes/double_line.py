@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.paint_profile import PAINTED, runs_of
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.cross_section import SECTION
-from lane_dp_ros.core.lanes.line_kind import RESOLVED, PaintAlong, own_kind
+from lane_dp_ros.core.lanes.line_kind import BESIDE, RESOLVED, PaintAlong, own_kind
 from lane_dp_ros.core.types import LaneKind
 
 Floats = NDArray[Any]
@@ -44,7 +43,7 @@ def twin_beside(along: PaintAlong, per_row: float) -> tuple[int, LaneKind] | Non
     length [m] of a row.
     """
     count = int(np.searchsorted(along.s, RESOLVED))
-    contrast, s = along.sections[:count, SECTION - REACH : SECTION + REACH + 1], along.s[:count]
+    contrast, s = along.sections[:count, BESIDE - REACH : BESIDE + REACH + 1], along.s[:count]
     smooth = (contrast[:, 2:] + contrast[:, 1:-1] + contrast[:, :-2])[:, SLIT - 1 : 1 - SLIT] / 3
     band = smooth - np.maximum(contrast[:, : -2 * SLIT], contrast[:, 2 * SLIT :])
     for side, aside in ((-1, slice(None, WITHIN)), (1, slice(-WITHIN, None))):
