@@ -92,7 +92,7 @@ def fitted(lines: Sequence[KnownLine]) -> Floats:
 
 def left_out(lines: Sequence[KnownLine]) -> dict[KnownLine, bool]:
     """Return whether the kind of each line is right by a fit to all other roads."""
-    right = {}
+    right: dict[KnownLine, bool] = {}
     for road in {line.of.road for line in lines}:
         judged = [line for line in lines if line.of.road == road]
         log_odds = _design(judged) @ fitted([line for line in lines if line.of.road != road])
@@ -115,7 +115,7 @@ def run(arguments: argparse.Namespace) -> None:
     for data in dict.fromkeys(line.of.data for line in lines):
         for kind, dashed in (("solid", False), ("dashed", True)):
             chosen = [e for e in lines if e.is_lane and e.of.data == data and e.dashed == dashed]
-            print(f"{data}: {sum(map(right.get, chosen))} of {len(chosen)} {kind} lanes right, left out")
+            print(f"{data}: {sum(right[e] for e in chosen)} of {len(chosen)} {kind} lanes right, left out")
 
 
 def main() -> int:
