@@ -80,12 +80,19 @@ def _judged(pair: JudgedPair, candidate: Candidate, judged: JudgedLine) -> Judge
 
 def fit_logistic(numbers: Floats, right: Floats) -> Floats:
     """Return w (1 + K,) so that 1 / (1 + exp(-w0 - w . log x)) is the share of right lines at x (N, K)."""
-    A = _design(numbers)
+    return logistic_weights(_design(numbers), right)
+
+
+def logistic_weights(A: Floats, right: Floats, counts: Floats | float = 1.0) -> Floats:
+    """Return w (K,) so that 1 / (1 + exp(-A w)) is the share of right rows of A (N, K), by Newton's method.
+
+    `counts` (N,) is how often each row counts.
+    """
     w = np.zeros(A.shape[1])
     for _ in range(ROUNDS):
         p = _sigmoid(A @ w)
-        hessian = (A * (p * (1 - p))[:, None]).T @ A + RIDGE * np.eye(len(w))
-        w += np.linalg.solve(hessian, A.T @ (right - p) - RIDGE * w)
+        hessian = (A * (counts * p * (1 - p))[:, None]).T @ A + RIDGE * np.eye(len(w))
+        w += np.linalg.solve(hessian, A.T @ (counts * (right - p)) - RIDGE * w)
     return w
 
 

@@ -16,12 +16,13 @@ from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import Candidate, LanePath
 from lane_dp_ros.core.lanes.lifting import to_lanes, to_road_edges
+from lane_dp_ros.core.lanes.markings import with_markings
 from lane_dp_ros.core.road.disparity import dense_disparity
 from lane_dp_ros.core.road.road_profile import largest_disparity, plausible_heights, road_profile
 from lane_dp_ros.core.road.vanishing_point import RoadDirection, direction_along, direction_estimator
 from lane_dp_ros.core.search import LaneSearch, RoadView, SearchResult
 from lane_dp_ros.core.stopwatch import Stopwatch
-from lane_dp_ros.core.types import Lane, Prior, RoadEstimate, StereoFrame
+from lane_dp_ros.core.types import Image, Lane, Prior, RoadEstimate, StereoFrame
 
 EXPLAINED = 0.8  # of the paint of a moment ago; with less along its axis the road may have turned away
 NO_PRIOR = Prior()
@@ -99,7 +100,8 @@ class LaneDetector:
         why. Where a prior has another surface serve than the one that was measured, the left image is looked
         at alone: heights are not known.
         """
-        watch, rng, frame = Stopwatch(), np.random.default_rng(self.config.seed), frame.grey()
+        watch, rng, picture = Stopwatch(), np.random.default_rng(self.config.seed), frame.left
+        frame = frame.grey()
         with watch("disparity"):
             disparity = self.match(frame) if disparity is None else disparity
         with watch("road_profile"):
@@ -114,6 +116,8 @@ class LaneDetector:
             frame, disparity = StereoFrame(frame.left), DisparityMap.unknown(disparity.shape)
         view = RoadView(frame, disparity, road.surface)
         direction, found = self._found(view, prior if road.source == "measured" else NO_PRIOR, rng, watch)
+        with watch("markings"):
+            found = self._with_markings(found, picture)
         lanes = to_lanes(found.lanes, found.paint.view)
         return replace(
             detection,
@@ -151,6 +155,12 @@ class LaneDetector:
             return found
         again = self._search.along(refined, direction.ipm_plane, road, rng, watch)
         return max(found, again, key=lambda each: each.score)
+
+    def _with_markings(self, found: SearchResult, picture: Image) -> SearchResult:
+        """Return what was found, the lanes with kind and colour; `picture` is the left one as it came."""
+        marked = with_markings(found.lanes, found.paint, picture)
+        refused = (each for each in found.candidates if each.refusal)
+        return replace(found, candidates=(*marked, *refused))
 
     def _seen_along(
         self, found: SearchResult, direction: RoadDirection, surface: RoadSurface

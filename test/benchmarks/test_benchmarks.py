@@ -9,6 +9,7 @@ from dataclasses import replace
 import ablation
 import calibrate_confidence
 import explain_misses
+import fit_line_kind
 import leave_one_drive_out
 import numpy as np
 import other_rigs
@@ -303,7 +304,40 @@ def test_the_regression_finds_the_share_of_right_lines():
     assert calibrate_confidence.predicted(np.array([[1.0]]), weights)[0] == pytest.approx(0.5, abs=0.04)
 
 
-@pytest.mark.parametrize("script", [leave_one_drive_out, calibrate_confidence, steady_lines, varied_frames])
+def test_a_row_that_counts_twice_is_as_two_rows():
+    A, right = np.array([[1.0, -1.0], [1.0, 0.5], [1.0, 2.0]]), np.array([0.0, 1.0, 1.0])
+    counts = np.array([1.0, 2.0, 1.0])
+    np.testing.assert_allclose(
+        calibrate_confidence.logistic_weights(A, right, counts),
+        calibrate_confidence.logistic_weights(A[[0, 1, 1, 2]], right[[0, 1, 1, 2]]),
+    )
+
+
+def known_line(road, dashed, missing, run):
+    return fit_line_kind.KnownLine(fit_line_kind.RoadPair(None, "", road), dashed, missing, run, True)
+
+
+def test_the_kind_of_a_line_is_judged_by_the_other_roads():
+    """On two roads dashes are what lacks much, on the third nothing but what is short."""
+    plain = [known_line(r, d, 0.05 + 0.5 * d + 0.01 * i, 5.0) for r in "ab" for d in (0, 1) for i in range(9)]
+    odd = [known_line("c", True, 0.05 + 0.01 * i, 2.0) for i in range(9)]
+    right = fit_line_kind.left_out([*plain, *odd])
+    assert all(right[line] for line in plain)
+    assert not any(right[line] for line in odd)
+
+
+def test_known_lines_are_those_on_sure_labels(pairs):
+    lines = [
+        line for pair in pairs for line in fit_line_kind.known_lines(fit_line_kind.RoadPair(pair, "", ""))
+    ]
+    lanes = [line for line in lines if line.is_lane]
+    assert sorted(line.dashed for line in lanes) == [False, False, False, False, True, True]
+    assert all((line.missing > 0.4) == line.dashed for line in lanes)
+
+
+@pytest.mark.parametrize(
+    "script", [leave_one_drive_out, calibrate_confidence, fit_line_kind, steady_lines, varied_frames]
+)
 def test_data_that_is_not_there_is_one_line(script, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["script", str(tmp_path / "none")])
     assert script.main() == 1

@@ -31,6 +31,7 @@ STAGES = [
     "path_search",
     "lane_model",
     "lane_selection",
+    "markings",
 ]
 ROWS, COLUMNS = SIZE[1], SIZE[0]
 

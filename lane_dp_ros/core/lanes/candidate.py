@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""A candidate for a lane line: the path that proposes it, its line, its evidence, and why it was refused."""
+"""A candidate for a lane line: its path, its line, its evidence, its paint, and why it was refused."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lane_dp_ros.core.types import LaneKind, PaintColour
 
 Floats = NDArray[Any]
 Variant = Literal["path", "near half", "parallel", "border"]
@@ -97,6 +99,15 @@ class LaneEvidence:
     """By what factor, as a logarithm, the ground behind it is rougher."""
 
 
+@dataclass(frozen=True)
+class Marking:
+    """Kind and colour of a line's paint, and the kinds of both lines of a double one, as `Lane` has them."""
+
+    kind: LaneKind = ""
+    colour: PaintColour = ""
+    sides: tuple[LaneKind, LaneKind] | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """A line that may be a lane line or a border of the carriageway, with its evidence.
@@ -104,7 +115,8 @@ class Candidate:
     `variant` says what proposed it: a path through the paint, the nearer half of another candidate, a parallel
     to a lane line, or a path along a border, which is no paint. `log_odds` are those of paint and of border
     against neither, by its own evidence; `probability` those of either in the light of all other candidates.
-    `refusal` says why it is no lane line, empty where it is; `is_edge`: it is a border.
+    `refusal` says why it is no lane line, empty where it is; `is_edge`: it is a border. `marking` is told of
+    those that are lane lines.
     """
 
     line: LaneLine
@@ -114,6 +126,7 @@ class Candidate:
     probability: tuple[float, float] = (1.0, 0.0)
     refusal: str = ""
     is_edge: bool = False
+    marking: Marking = Marking()
 
     @property
     def score(self) -> float:

@@ -31,9 +31,11 @@ DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 REMAP_ROWS = 32_766  # OpenCV samples no more at once
 
 
-def cross_sections(view: BirdsEyeView, rows: Cells, columns: Floats) -> NDArray[np.float32]:
-    """Return the grey values across the lines (rows, samples), the peak of each row moved to the middle."""
-    half, move = SECTION, RECENTRE
+def cross_sections(
+    view: BirdsEyeView, rows: Cells, columns: Floats, half: int = SECTION
+) -> NDArray[np.float32]:
+    """Return the grey values across the lines (rows, 2 half + 1), each row's peak moved to the middle."""
+    move = RECENTRE
     offset = np.arange(-half - move - 1, half + move + 2) * (SAMPLE / view.resolution[1])
     map_u = columns.astype(np.float32)[:, None] + offset.astype(np.float32)
     map_v = np.broadcast_to(rows.astype(np.float32)[:, None], map_u.shape)

@@ -15,7 +15,6 @@ from lane_dp_ros.core.types import Lane, LaneRole, ego_roles
 
 SPACING = 0.25  # m along the axis; on the outside of the sharpest bend points are still within 0.5 m
 MIN_RADIUS = 0.1  # of the axis's; a line nearer to the centre of the bend is none
-EDGE_WIDTH = 0.1  # m, of the line that is drawn along a road edge
 FAINTEST = 0.01  # of opacity; what is told can be seen
 
 
@@ -37,13 +36,13 @@ def to_road_edges(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[
     roles = ego_roles([float(candidate.line.n[0]) for candidate in ordered])
     edges = (_lane(candidate, view, role) for candidate, role in zip(ordered, roles, strict=True))
     return tuple(
-        replace(edge, kind="edge", paint_width=EDGE_WIDTH, confidence=max(candidate.probability[1], FAINTEST))
+        replace(edge, kind="edge", paint_width=0.0, confidence=max(candidate.probability[1], FAINTEST))
         for edge, candidate in zip(edges, ordered, strict=True)
     )
 
 
 def _lane(candidate: Candidate, view: BirdsEyeView, role: LaneRole) -> Lane:
-    line = candidate.line
+    line, marking = candidate.line, candidate.marking
     first, last = _seen(line, view)
     s = np.linspace(first, last, max(2, int(np.ceil((last - first) / SPACING)) + 1))
     radius = max(1 - view.axis.curvature * float(line.n[0]), MIN_RADIUS)
@@ -54,6 +53,9 @@ def _lane(candidate: Candidate, view: BirdsEyeView, role: LaneRole) -> Lane:
         role=role,
         curvature=view.axis.curvature / radius + line.bend,
         lateral_offset=float(line.n[0]),
+        kind=marking.kind,
+        colour=marking.colour,
+        sides=marking.sides,
     )
 
 

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """From lines on the road to lanes in the camera's frame."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
-from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine, Marking
 from lane_dp_ros.core.lanes.lifting import to_lanes
 from lane_dp_ros.core.types import ego_roles
 
@@ -53,6 +53,15 @@ def test_lanes_come_from_left_to_right_with_their_own_evidence(painted_road):
     assert [lane.role for lane in lanes] == ["other", "ego_left", "ego_right"]
     assert [lane.paint_width for lane in lanes] == [0.1, 0.2, 0.3]
     assert all(lane.id == -1 for lane in lanes)
+
+
+def test_lanes_have_the_kind_and_colour_of_their_paint(painted_road):
+    view = painted_road().view()
+    marking = Marking("double", "yellow", ("solid", "dashed"))
+    (lane,) = to_lanes([replace(candidate_at(view, 1.75), marking=marking)], view)
+    assert (lane.kind, lane.colour, lane.sides) == ("double", "yellow", ("solid", "dashed"))
+    (unknown,) = to_lanes([candidate_at(view, 1.75)], view)
+    assert (unknown.kind, unknown.colour, unknown.sides) == ("", "", None)
 
 
 def test_no_lines_no_lanes(painted_road):
