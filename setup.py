@@ -17,7 +17,11 @@ setup(
     maintainer_email="lane_dp_ros@example.org",
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={f"{NAME}.review": ["static/*"], f"{NAME}.tools.report": ["static/*"]},
+    package_data={
+        f"{NAME}.core.lanes": ["evidence.json"],
+        f"{NAME}.review": ["static/*"],
+        f"{NAME}.tools.report": ["static/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),

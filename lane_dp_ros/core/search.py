@@ -119,7 +119,7 @@ class LaneSearch:
             nothing = LaneEvidence(length=0.0, start=0.0, slope=0.0)
             return SearchResult(paint, paths, tuple(Candidate(line, nothing) for line in lines))
         with watch("road_edges"):
-            edges = edge_map(view, paint.paint_map.texture)
+            edges = edge_map(view, paint.paint_map)
             borders = self._edge_lines.find(edges, view)
         with watch("lane_selection"):
             seen = _Seen(paint, edges, road.frame)
@@ -150,14 +150,21 @@ class LaneSearch:
             lines = [end_at_stop_line(line, paint, blank_cost, config.stop_line) for line in lines]
         return lines
 
-    def _measured(self, lines: Sequence[LaneLine], seen: _Seen, variant: Variant) -> list[Candidate]:
-        """Return lines with their evidence for paint, and what that says."""
+    def _measured(
+        self,
+        lines: Sequence[LaneLine],
+        seen: _Seen,
+        variant: Variant,
+        among: Sequence[Candidate] = (),
+    ) -> list[Candidate]:
+        """Return lines with their evidence for paint, compared `among` others, and what that says."""
 
         def needs_height(_: LaneLine, evidence: LaneEvidence) -> bool:
             """Return whether the line's height would decide, too."""
             return self._scoring.needs_height(evidence)
 
-        measured = measure_paint(lines, seen.paint, seen.edges, seen.frame, needs_height)
+        others = [each.evidence for each in among]
+        measured = measure_paint(lines, seen.paint, seen.edges, seen.frame, needs_height, others)
         return [
             self._scoring.scored(Candidate(line, evidence, variant))
             for line, evidence in zip(lines, measured, strict=True)
@@ -177,10 +184,10 @@ class LaneSearch:
             self._scoring.scored(Candidate(line, evidence, "border"))
             for line, evidence in zip(borders, measure_border(borders, seen.paint, seen.edges), strict=True)
         ]
-        proposed = [*candidates, *self._measured(halves, seen, "near half"), *edges]
+        proposed = [*candidates, *self._measured(halves, seen, "near half", candidates), *edges]
         chosen = self._scoring.selected(proposed)
         known = [each.line for each in chosen if not each.refusal]
         lines = parallel_lines(known, seen.paint, self._config.parallel)
         if lines:
-            chosen = self._scoring.selected([*proposed, *self._measured(lines, seen, "parallel")])
+            chosen = self._scoring.selected([*proposed, *self._measured(lines, seen, "parallel", candidates)])
         return tuple(sorted(chosen, key=lambda each: (bool(each.refusal), -each.score)))

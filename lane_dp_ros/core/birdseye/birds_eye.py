@@ -38,7 +38,7 @@ class BirdsEyeConfig(Parameters):
         limits=(0.0, 20.0),
     )
     length: float = parameter(30.0, "Length of the view along the road.", unit="m", limits=(10.0, 100.0))
-    width: float = parameter(18.0, "Width of the view, half to each side.", unit="m", limits=(4.0, 40.0))
+    width: float = parameter(16.0, "Width of the view, half to each side.", unit="m", limits=(4.0, 40.0))
     forward_resolution: float = parameter(0.25, "Cell length.", unit="m", limits=(0.02, 1.0))
     lateral_resolution: float = parameter(0.05, "Cell width.", unit="m", limits=(0.01, 0.2))
     height_tolerance: float = parameter(

@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
+from lane_dp_ros.core.birdseye.paint_map import PaintMap
 
 Floats = NDArray[Any]
+Singles = NDArray[np.float32]
 
-CELL = (1.0, 0.15)  # m along and across of a cell, as near as whole cells of the view come to it
-ASIDE = 0.2  # m from a border to the middles of the strips beside it that are compared
-STRIP = (1.25, 0.2)  # m along and across, of a strip
+CELL = (1.0, 0.2)  # m along and across of a cell, as near as whole cells of the view come to it
+# Strips of ground beside a border: how far [m] aside their middles lie, how long and broad [m] they are.
+NEAR = 0.3, (1.25, 0.3)
+FAR = 0.75, (2.0, 0.9)
 SENSOR_NOISE = 3.0  # grey levels
 DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 SURE_RISE = 0.1  # m; a step of height that is a border for certain, next to the vehicle
@@ -34,16 +37,22 @@ HIGHEST = 0.3  # m; what stands higher is as certain
 class EdgeMap:
     """How much each cell (rows, columns) of a view, made coarser, looks like the border of the carriageway.
 
-    `feature` is in [0, 1]. Steps lead away from the vehicle: `rise` [m] is how much higher the ground is behind
-    the cell than before it, NaN where that is not known; `grey_step` how much brighter, over brightness;
-    `texture_step` by what factor, as a logarithm, rougher.
+    `feature` is in [0, 1]. Steps lead away from the vehicle: `rise` [m] is how much higher the ground is
+    behind the cell than before it, NaN where that is not known; `grey_step` how much brighter, over
+    brightness; `texture_step` by what factor, as a logarithm, rougher.
     """
 
-    feature: NDArray[np.float32]
+    feature: Singles
     seen: NDArray[np.bool_]
-    rise: NDArray[np.float32]
-    grey_step: NDArray[np.float32]
-    texture_step: NDArray[np.float32]
+    rise: Singles
+    grey_step: Singles
+    texture_step: Singles
+    far_rise: Singles
+    far_grey_step: Singles
+    far_texture_step: Singles
+    """The same steps between broader strips, farther aside."""
+    ground: Singles
+    """Height [m] of the broader strip before the cell, NaN where it is not known."""
     s: NDArray[np.float64]
     n: NDArray[np.float64]
     """Road coordinates [m] of the rows, far to near, and of the columns, left to right."""
@@ -73,42 +82,52 @@ class EdgeMap:
         return self.n[0] + centre * self.resolution[1], np.minimum(total, 1.0)
 
 
-def edge_map(view: BirdsEyeView, texture: NDArray[np.float32]) -> EdgeMap:
-    """Return the map of a view with its `texture` (rows, columns) [grey levels], on a coarser grid."""
+def edge_map(view: BirdsEyeView, paint_map: PaintMap) -> EdgeMap:
+    """Return the map of a view, on a coarser grid; the steps beside what its `paint_map` shows are none."""
     cell = [max(1, round(size / of)) for size, of in zip(CELL, view.resolution, strict=True)]
     rows, columns = view.image.shape[0] // cell[0], view.image.shape[1] // cell[1]
     part = slice(rows * cell[0]), slice(columns * cell[1])
     s = view.s[part[0]].reshape(rows, -1).mean(axis=1)
     n = view.n[part[1]].reshape(columns, -1).mean(axis=1)
-    grey, rough, height, known, seen = (
+    grey, rough, paint, height, known, seen = (
         cv2.resize(values[part].astype(np.float32), (columns, rows), interpolation=cv2.INTER_AREA)
-        for values in (view.image, texture, *_heights(view), view.seen)
+        for values in (view.image, paint_map.texture, paint_map.feature, *_heights(view), view.seen)
     )
-    window = _cells(STRIP[1], float(n[1] - n[0])), _cells(STRIP[0], float(s[0] - s[1]))
-    strips = _Strips(n, window)
-    grey_before, grey_behind = strips.before_and_behind(grey)
-    rough_before, rough_behind = strips.before_and_behind(rough)
-    rise = strips.step_where_known(height, known)
+    cell_size = float(s[0] - s[1]), float(n[1] - n[0])
+    near, far = (_Strips(n, cell_size, *each) for each in (NEAR, FAR))
+    grey_before, grey_behind = near.before_and_behind(grey)
+    rough_before, _ = near.before_and_behind(rough)
+    _, rise = near.ground_and_rise(height, known)
+    ground, far_rise = far.ground_and_rise(height, known)
     step = np.abs(grey_behind - grey_before) / (rough_before + SENSOR_NOISE)
+    step *= 1 - cv2.dilate(paint, np.ones((1, 3), np.uint8))
     feature = np.minimum(np.abs(np.nan_to_num(rise)) / _sure_rise(view, s)[:, None], 1)
     feature = (feature + np.minimum(step / SURE_STEP, 1)) / SURE
     return EdgeMap(
         feature=np.where(seen > 0.5, np.minimum(feature, 1), 0).astype(np.float32),
         seen=seen > 0.5,
         rise=rise,
-        grey_step=((grey_behind - grey_before) / (grey_before + DARK)).astype(np.float32),
-        texture_step=np.log((rough_behind + SENSOR_NOISE) / (rough_before + SENSOR_NOISE)).astype(np.float32),
+        grey_step=near.grey_step(grey),
+        texture_step=near.texture_step(rough),
+        far_rise=far_rise,
+        far_grey_step=far.grey_step(grey),
+        far_texture_step=far.texture_step(rough),
+        ground=ground,
         s=s,
         n=n,
     )
 
 
 class _Strips:
-    """The strips of road beside each cell, towards the vehicle and away from it."""
+    """The strips of road beside each cell, `aside` [m] to the vehicle's side and to the other one.
 
-    def __init__(self, n: Floats, window: tuple[int, int]) -> None:
-        self._window, self._left = window, n < 0
-        self._aside = round(ASIDE / float(n[1] - n[0]))
+    `size` [m] is how far they reach along and across.
+    """
+
+    def __init__(self, n: Floats, cell: tuple[float, float], aside: float, size: tuple[float, float]) -> None:
+        self._left = n < 0
+        self._window = _cells(size[1], cell[1]), _cells(size[0], cell[0])
+        self._aside = max(1, round(aside / cell[1]))
 
     def before_and_behind(self, values: Floats) -> tuple[Floats, Floats]:
         """Return the mean of the strip before and behind each cell, seen from the vehicle."""
@@ -117,15 +136,28 @@ class _Strips:
         to_left, to_right = mean[:, :columns], mean[:, 2 * aside :]
         return np.where(self._left, to_right, to_left), np.where(self._left, to_left, to_right)
 
-    def step_where_known(self, values: Floats, known: Floats) -> NDArray[np.float32]:
-        """Return the step from before to behind, of the `known` share of the cells; NaN for too little."""
-        sums, shares = self.before_and_behind(values), self.before_and_behind(known)
+    def ground_and_rise(self, height: Floats, known: Floats) -> tuple[Singles, Singles]:
+        """Return the height before, and how much more it is behind, by the `known` share of the cells.
+
+        NaN where too few are known.
+        """
+        sums, shares = self.before_and_behind(height), self.before_and_behind(known)
         with np.errstate(invalid="ignore", divide="ignore"):
             before, behind = (
                 np.where(share > KNOWN, total / share, np.nan)
                 for total, share in zip(sums, shares, strict=True)
             )
-        return np.asarray(behind - before, dtype=np.float32)
+        return np.asarray(before, np.float32), np.asarray(behind - before, np.float32)
+
+    def grey_step(self, grey: Floats) -> Singles:
+        """Return how much brighter it is behind each cell, over brightness."""
+        before, behind = self.before_and_behind(grey)
+        return np.asarray((behind - before) / (before + DARK), np.float32)
+
+    def texture_step(self, rough: Floats) -> Singles:
+        """Return by what factor, as a logarithm, it is rougher behind each cell."""
+        before, behind = self.before_and_behind(rough)
+        return np.asarray(np.log((behind + SENSOR_NOISE) / (before + SENSOR_NOISE)), np.float32)
 
 
 def _heights(view: BirdsEyeView) -> tuple[Floats, NDArray[np.bool_]]:

@@ -48,7 +48,7 @@ class PaintMapConfig(Parameters):
         0.35, "Contrast of no paint, in units of the road's texture; for bands.", limits=(0.0, 10.0)
     )
     contrast_max: float = parameter(
-        2.0, "Contrast of certain paint, in units of the road's texture; for bands.", limits=(0.1, 20.0)
+        2.8, "Contrast of certain paint, in units of the road's texture; for bands.", limits=(0.1, 20.0)
     )
 
     def __post_init__(self) -> None:

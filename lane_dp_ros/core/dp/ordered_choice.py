@@ -42,8 +42,8 @@ class Marginals:
 def best_choice(worth: Floats, together: Floats) -> list[int]:
     """Return the class of each thing, or `NONE`, in the choice of the highest worth.
 
-    `worth` (things, classes); `together` (things, things, classes, classes) of the first and the second of two
-    that follow one another.
+    `worth` (things, classes); `together` (things, things, classes, classes) of the first and the second of
+    two that follow one another.
     """
     count, classes = worth.shape
     best = worth.astype(np.float64)

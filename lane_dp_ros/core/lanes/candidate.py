@@ -50,7 +50,7 @@ class LaneLine:
 class LaneEvidence:
     """What speaks for and against a line being paint, or a border of the carriageway, in physical units.
 
-    NaN where it is not known: what needs a second image without one, what needs paint beside the road's border.
+    NaN where it is not known: what needs a second image without one, what needs paint at a border.
     """
 
     length: float
@@ -81,6 +81,8 @@ class LaneEvidence:
     """Weber contrast of the paint against the road on both sides of it."""
     saturation_contrast: float = np.nan
     """The same rise as a share of that up to white: in glare even fresh paint has little contrast."""
+    relative_contrast: float = np.nan
+    """Either contrast over that of the most striking line in view, at most 1: paint is like other paint."""
     brightness: float = np.nan
     """Brightness of the paint over that of the road towards the vehicle, less 1."""
     longest_segment: float = np.nan
@@ -92,11 +94,19 @@ class LaneEvidence:
     border: float = np.nan
     """Share of its length that looks like a border of the carriageway, see `EdgeMap.feature`."""
     rise: float = np.nan
-    """How much higher [m] the ground behind it is, by the dense disparity."""
+    """How much higher [m] the ground just behind it is, by the dense disparity."""
     grey_step: float = np.nan
-    """How much brighter the ground behind it is, over brightness."""
+    """How much brighter the ground just behind it is, over brightness."""
     texture_step: float = np.nan
-    """By what factor, as a logarithm, the ground behind it is rougher."""
+    """By what factor, as a logarithm, the ground just behind it is rougher."""
+    far_rise: float = np.nan
+    """How much higher [m] the ground farther behind it is than that farther before it."""
+    far_grey_step: float = np.nan
+    """How much brighter the ground farther behind it is, over brightness."""
+    far_texture_step: float = np.nan
+    """By what factor, as a logarithm, the ground farther behind it is rougher."""
+    ground: float = np.nan
+    """Height [m] of the ground before it above the road's surface: that of a road is 0."""
 
 
 @dataclass(frozen=True)
@@ -112,9 +122,9 @@ class Marking:
 class Candidate:
     """A line that may be a lane line or a border of the carriageway, with its evidence.
 
-    `variant` says what proposed it: a path through the paint, the nearer half of another candidate, a parallel
-    to a lane line, or a path along a border, which is no paint. `log_odds` are those of paint and of border
-    against neither, by its own evidence; `probability` those of either in the light of all other candidates.
+    `variant` says what proposed it: a path through the paint, the nearer half of another candidate, a
+    parallel to a lane line, or a path along a border, which is no paint. `log_odds` are those of paint and of
+    border against neither, by its own evidence; `probability` those of either in the light of all others.
     `refusal` says why it is no lane line, empty where it is; `is_edge`: it is a border. `marking` is told of
     those that are lane lines.
     """

@@ -26,7 +26,7 @@ TWIN_SHARE = 0.2  # of the rows; shorter are marks beside the line
 
 
 def side_by_side(a: LaneLine, b: LaneLine) -> bool:
-    """Return whether two lines run at most `DOUBLE_LINE` from each other over half of the shorter one or more.
+    """Return whether two lines run at most `DOUBLE_LINE` apart over half of the shorter one or more.
 
     Lines that part or merge on the way are not side by side.
     """

@@ -20,6 +20,7 @@ from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, runs_
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
 from lane_dp_ros.core.lanes.cross_section import (
     DARK,
+    FAINT,
     MIN_PAINTED,
     BandMeans,
     band_widths,
@@ -36,10 +37,20 @@ Floats = NDArray[Any]
 Cells = NDArray[np.intp]
 NeedsHeight = Callable[[LaneLine, LaneEvidence], bool]
 
+STEPS = (  # maps of `EdgeMap` that are looked up along lines
+    "rise",
+    "grey_step",
+    "texture_step",
+    "far_rise",
+    "far_grey_step",
+    "far_texture_step",
+    "ground",
+)
 UNPAINTED = 0.35  # feature below which a row shows no paint
 GAP_BRIDGED = 1.0  # m of missing paint inside one segment
 ASIDE = 0.6  # m; where the texture beside the line is taken
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
+LONG = 0.5  # share of the longest line's paint; shorter ones may be anything
 DASH = 1.5  # m of paint, at least
 
 
@@ -49,8 +60,9 @@ def measure_paint(
     edges: EdgeMap,
     frame: StereoFrame,
     needs_height: NeedsHeight,
+    among: Sequence[LaneEvidence] = (),
 ) -> list[LaneEvidence]:
-    """Return all evidence for lines in the view of a grey frame.
+    """Return all evidence for lines in the view of a grey frame, compared `among` others or each other.
 
     Heights are measured, from both images, of the lines alone of which `needs_height` says so by all their
     other evidence; of the others, and without a right image, they are unknown.
@@ -58,6 +70,7 @@ def measure_paint(
     if not lines:
         return []
     measured = _with_paint(measure_border(lines, paint, edges), lines, paint)
+    measured = compare_paint(measured, among or measured)
     needed = [i for i, line in enumerate(lines) if needs_height(line, measured[i])]
     heights = line_heights([lines[i] for i in needed], paint.view, frame)
     for i, found in zip(needed, heights, strict=True):
@@ -74,8 +87,7 @@ def measure_border(lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMa
     cells = edges.cells(paint.view.s[rows], n)
     painted = each.sum(paint.feature(rows, paint.view.nearest_columns(n)) > PAINTED) / each.lengths
     border = each.sum(edges.feature[cells]) / each.lengths
-    grey, texture = (each.median(values[cells]) for values in (edges.grey_step, edges.texture_step))
-    rise = _median_of_known(edges.rise[cells], each)
+    steps = {name: _median_of_known(getattr(edges, name)[cells], each).tolist() for name in STEPS}
     return [
         LaneEvidence(
             length=line.length,
@@ -83,9 +95,7 @@ def measure_border(lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMa
             slope=float(np.percentile(np.abs(np.gradient(line.n, line.s)), 90)),
             painted=float(painted[i]),
             border=float(border[i]),
-            rise=float(rise[i]),
-            grey_step=float(grey[i]),
-            texture_step=float(texture[i]),
+            **{name: values[i] for name, values in steps.items()},
         )
         for i, line in enumerate(lines)
     ]
@@ -166,6 +176,33 @@ def _painted(feature: Floats, certain: NDArray[np.bool_], lines: Segments) -> ND
         own = feature[lines.part(i)]
         painted[lines.part(i)] = own >= np.sort(own)[-min(MIN_PAINTED, len(own))]
     return painted
+
+
+def compare_paint(measured: Sequence[LaneEvidence], among: Sequence[LaneEvidence]) -> list[LaneEvidence]:
+    """Return evidence of lines with their contrast over that of the most striking of the long ones `among`.
+
+    Of the two ways to tell contrast the one counts in which a line compares better: paint in the shade is as
+    much brighter than its road as that in the sun, in glare it rises as far up to white.
+    """
+    longest = max((each.score for each in among), default=0.0)
+    long = [each for each in among if each.score >= LONG * longest]
+    contrast, saturation = (
+        max((getattr(each, name) for each in long), default=0.0)
+        for name in ("contrast", "saturation_contrast")
+    )
+    return [
+        replace(
+            each,
+            relative_contrast=min(
+                max(
+                    each.contrast / max(contrast, FAINT),
+                    each.saturation_contrast / max(saturation, FAINT),
+                ),
+                1.0,
+            ),
+        )
+        for each in measured
+    ]
 
 
 def _brightness(paint: Floats, each: _Rows, view: BirdsEyeView) -> Floats:

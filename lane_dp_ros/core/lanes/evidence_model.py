@@ -27,8 +27,8 @@ Floats = NDArray[Any]
 FORMAT = "lane_dp_ros evidence 1"
 SHIPPED = "shipped"  # the name of the model that comes with the package
 CLASSES = ("paint", "edge")
-# Of two lines, the left and the right one: both paint, and how much of them lies in one place; paint before,
-# paint behind and a border behind a border, seen from the vehicle; one, or both, borders on either side of it.
+# Of two lines, the left and the right one: both paint, and how much of them lies in one place; paint before
+# and behind a border, a border behind one, seen from the vehicle; one or both borders on either side of it.
 PAIRS = (
     "paint_beside_paint",
     "paint_on_paint",
@@ -65,7 +65,7 @@ class Term:
 
 @dataclass(frozen=True, eq=False)
 class EvidenceModel:
-    """The terms of each class by the name of their measurement, see `LaneEvidence`, those of pairs by `PAIRS`.
+    """The terms of each class by the name of their measurement, see `LaneEvidence`; those of `PAIRS`.
 
     `start` are the log-odds of each class before anything is measured; `source` is the whole file.
     """

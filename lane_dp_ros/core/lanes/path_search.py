@@ -40,7 +40,7 @@ class PathSearchConfig(Parameters):
         1.5, "Metres of paint that make a candidate; for free ends.", unit="m", limits=(0.5, 20.0)
     )
     blank_cost: float = parameter(
-        0.12, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
+        0.14, "Metres of paint that a metre of blank road costs; for free ends.", limits=(0.01, 1.0)
     )
     slope_max: float = parameter(
         0.35,
@@ -49,7 +49,7 @@ class PathSearchConfig(Parameters):
         expert=True,
     )
     slope_cost: float = parameter(
-        2.0,
+        4.0,
         "Metres of paint that a metre of path costs per squared slope; for free ends.",
         limits=(0.0, 100.0),
         expert=True,

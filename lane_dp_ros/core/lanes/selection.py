@@ -31,7 +31,7 @@ class LaneSelectionConfig(Parameters):
         SHIPPED, "File of lane_dp fit-evidence with the log-odds of the evidence, or: shipped."
     )
     confidence_min: float = parameter(
-        0.5, "Probability that it takes to be a lane line or a road edge.", limits=(0.05, 0.99)
+        0.3, "Probability that it takes to be a lane line or a road edge.", limits=(0.05, 0.99)
     )
     paint_width_max: float = parameter(
         0.4,

@@ -38,7 +38,6 @@ SIGNS: Mapping[str, Mapping[str, Sign]] = {
         "score": RISES,
         "start": FALLS,
         "slope": FALLS,
-        "off_paint_fraction": FALLS,
         "paint_width": Sign("peak", 0.14),
         "wide_band_ratio": FALLS,
         "height": Sign("peak"),
@@ -46,20 +45,23 @@ SIGNS: Mapping[str, Mapping[str, Sign]] = {
         "texture": FALLS,
         "contrast": RISES,
         "saturation_contrast": RISES,
+        "relative_contrast": RISES,
         "brightness": RISES,
-        "border": FALLS,
         "rise": Sign("peak"),
-        "texture_step": FALLS,
     },
     "edge": {
         "length": RISES,
         "start": FALLS,
         "slope": FALLS,
         "border": RISES,
+        "painted": FALLS,
         "rise": Sign("valley"),
         "grey_step": Sign("valley"),
         "texture_step": RISES,
-        "painted": FALLS,
+        "far_rise": Sign("valley"),
+        "far_grey_step": Sign("valley"),
+        "far_texture_step": RISES,
+        "ground": Sign("peak"),
     },
 }
 
@@ -77,7 +79,7 @@ class Curve:
     """The same behind the last one."""
 
     def segments(self, values: Floats) -> Floats:
-        """Return what part of each segment lies before values (N,), (N, K); nothing of a value that is NaN."""
+        """Return what part of each segment lies before values (N,), (N, K); nothing of one that is NaN."""
         share = (np.nan_to_num(values)[:, None] - self.knots[:-1]) / np.diff(self.knots)
         low, high = np.zeros(len(self.signs)), np.ones(len(self.signs))
         low[0], high[-1] = -self.before, 1 + self.behind
@@ -99,6 +101,7 @@ class Curve:
 def curve(sign: Sign, values: Floats) -> Curve:
     """Return a curve of that shape for values (N,), of which some may be NaN."""
     known = values[np.isfinite(values)]
+    knots: Floats
     if len(known) < MANY:
         return Curve(np.array([0.0, 1.0]) + sign.turn, np.array([_up(sign)], np.int8))
     if sign.shape in ("peak", "valley"):
@@ -108,7 +111,7 @@ def curve(sign: Sign, values: Floats) -> Curve:
     else:
         knots = _knots(known, KNOTS)
     if len(knots) < 2:
-        knots = np.array([knots[0], knots[0] + 1.0])
+        knots = knots[0] + np.arange(2.0)
     middle = (knots[1:] + knots[:-1]) / 2
     up = np.full(len(middle), _up(sign))
     if sign.shape in ("peak", "valley"):

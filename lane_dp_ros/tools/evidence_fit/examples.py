@@ -40,6 +40,11 @@ class Example:
     may_be: NDArray[np.bool_]
     found: tuple[tuple[int, ...], ...]
 
+    @property
+    def rendered(self) -> bool:
+        """Whether it is a frame of a rendered scene."""
+        return bool(self.category)
+
 
 def example(
     name: str, drive: str, detection: LaneDetection, truth: LabelledFrame | None, edges_known: bool

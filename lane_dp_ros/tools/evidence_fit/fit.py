@@ -26,6 +26,8 @@ Floats = NDArray[Any]
 
 RIDGE = 1.0  # on each coefficient
 PAIR_RIDGE, PAIR_SMOOTHNESS = 0.3, 1.0  # on the terms of pairs, and on their bends
+# A border makes no paint: roads without any have borders, too.
+NEVER_SPEAKS_FOR = ("paint_before_edge", "paint_behind_edge", "paint_across_edge")
 MAX_ITERATIONS = 200
 GROUP = 100  # examples that are worked out at once
 
@@ -41,14 +43,17 @@ class _Class:
     @property
     def size(self) -> int:
         """The number of coefficients."""
-        return 1 + sum(len(each.signs) for each in self.curves.values()) + len(self.unknown)
+        return 2 + sum(len(each.signs) for each in self.curves.values()) + len(self.unknown)
 
-    def design(self, values: Mapping[str, Floats]) -> Floats:
-        """Return what each coefficient counts in each candidate, (N, size)."""
+    def design(self, values: Mapping[str, Floats], rendered: bool) -> Floats:
+        """Return what each coefficient counts in each candidate, (N, size).
+
+        The last one is for `rendered` scenes alone: how often they show such lines says nothing of real roads.
+        """
         count = len(next(iter(values.values())))
         parts = [np.ones((count, 1)), *(each.segments(values[name]) for name, each in self.curves.items())]
         missing = [np.isnan(values[name])[:, None].astype(float) for name in self.unknown]
-        return np.hstack([*parts, *missing])
+        return np.hstack([*parts, *missing, np.full((count, 1), float(rendered))])
 
     def bounds(self) -> list[tuple[float | None, float | None]]:
         """Return the bounds of each coefficient by the curves' signs."""
@@ -58,12 +63,12 @@ class _Class:
             0: (None, None),
         }
         of_curves = [limits[int(sign)] for each in self.curves.values() for sign in each.signs]
-        return [(None, None), *of_curves, *[(None, None)] * len(self.unknown)]
+        return [(None, None), *of_curves, *[(None, None)] * (len(self.unknown) + 1)]
 
     def terms(self, coefficients: Floats) -> tuple[float, dict[str, Term]]:
         """Return the start and the terms that coefficients make."""
         at, terms = 1, {}
-        missing = dict(zip(self.unknown, coefficients[self.size - len(self.unknown) :], strict=True))
+        missing = dict(zip(self.unknown, coefficients[-1 - len(self.unknown) : -1], strict=True))
         for name, each in self.curves.items():
             steps = coefficients[at : at + len(each.signs)]
             terms[name] = each.term(steps, float(missing.get(name, 0.0)))
@@ -116,7 +121,8 @@ class EvidenceFit:
         sizes = [each.size for each in self._classes]
         begin = np.zeros(sum(sizes) + sum(self._knots)) if start is None else start
         bounds = [bound for each in self._classes for bound in each.bounds()]
-        bounds += [(None, None)] * sum(self._knots)
+        for name, knots in zip(PAIRS, self._knots, strict=True):
+            bounds += [(None, 0.0 if name in NEVER_SPEAKS_FOR else None)] * knots
         found = minimize(
             self._loss, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": MAX_ITERATIONS}
         )
@@ -156,7 +162,9 @@ class EvidenceFit:
             n = len(each.evidence)
             for k, kind in enumerate(self._classes):
                 names = {*kind.curves}
-                design[k][i, :n] = kind.design({name: evidence_values([each], name) for name in names})
+                design[k][i, :n] = kind.design(
+                    {name: evidence_values([each], name) for name in names}, each.rendered
+                )
             may_be[i, :n] = each.may_be
             pairs[i, :n, :n] = hats(each.neighbours.gap, GAPS)
             overlap[i, :n, :n] = hats(each.neighbours.overlap, OVERLAPS)
