@@ -83,6 +83,8 @@ class LaneEvidence:
     """The same rise as a share of that up to white: in glare even fresh paint has little contrast."""
     relative_contrast: float = np.nan
     """Either contrast over that of the most striking line in view, at most 1: paint is like other paint."""
+    wander: float = np.nan
+    """Root mean square [m] of how far aside of the smooth line its paint lies, means of 2 m of it."""
     brightness: float = np.nan
     """Brightness of the paint over that of the road towards the vehicle, less 1."""
     longest_segment: float = np.nan

@@ -50,6 +50,7 @@ UNPAINTED = 0.35  # feature below which a row shows no paint
 GAP_BRIDGED = 1.0  # m of missing paint inside one segment
 ASIDE = 0.6  # m; where the texture beside the line is taken
 TOWARDS_VEHICLE = (0.3, 3.0)  # m; the road on the vehicle's side of the line
+SMOOTHED = 2.0  # m along a line, over which the noise of where its paint lies is averaged
 LONG = 0.5  # share of the longest line's paint; shorter ones may be anything
 DASH = 1.5  # m of paint, at least
 
@@ -148,6 +149,7 @@ def _with_paint(
     ratio = wide_band_ratios(means, painted.lines)
     contrast, saturation = contrasts(sections, means.paint, painted.lines)
     brightness = _brightness(means.paint, painted, view)
+    wander = _wander(each, paint)
     evidence = []
     for i, line in enumerate(lines):
         runs = runs_of(certain[each.lines.part(i)])
@@ -161,6 +163,7 @@ def _with_paint(
                 texture=float(texture[i]),
                 contrast=float(contrast[i]),
                 saturation_contrast=float(saturation[i]),
+                wander=wander[i],
                 brightness=float(brightness[i]),
                 longest_segment=_longest_segment(runs, len(line.rows), view.resolution[0]),
                 dashes=int(np.count_nonzero(np.diff(runs) * view.resolution[0] >= DASH)),
@@ -176,6 +179,22 @@ def _painted(feature: Floats, certain: NDArray[np.bool_], lines: Segments) -> ND
         own = feature[lines.part(i)]
         painted[lines.part(i)] = own >= np.sort(own)[-min(MIN_PAINTED, len(own))]
     return painted
+
+
+def _wander(each: _Rows, paint: PaintProfile) -> list[float]:
+    """Return how far aside [m] of each line its paint lies, RMS; NaN where there is too little."""
+    view = paint.view
+    centre, weight = paint.centres(each.rows, each.column)
+    aside = weight * ((centre - view.n[0]) - each.column * view.resolution[1])
+    window = np.ones(max(1, round(SMOOTHED / view.resolution[0])))
+    found = []
+    for i in range(len(each.lines)):
+        part = each.lines.part(i)
+        total = np.convolve(weight[part], window, "same")
+        known = total > len(window) / 2
+        mean = np.convolve(aside[part], window, "same")[known] / total[known]
+        found.append(float(np.sqrt(np.mean(mean**2))) if known.any() else np.nan)
+    return found
 
 
 def compare_paint(measured: Sequence[LaneEvidence], among: Sequence[LaneEvidence]) -> list[LaneEvidence]:

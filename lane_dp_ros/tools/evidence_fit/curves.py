@@ -46,6 +46,7 @@ SIGNS: Mapping[str, Mapping[str, Sign]] = {
         "contrast": RISES,
         "saturation_contrast": RISES,
         "relative_contrast": RISES,
+        "wander": FALLS,
         "brightness": RISES,
         "rise": Sign("peak"),
     },
@@ -129,10 +130,10 @@ def _knots(values: Floats, count: int) -> Floats:
     """Return up to `count` knots at equal shares of the values, apart by a fiftieth of their range."""
     if not len(values):
         return np.empty(0)
-    knots = np.percentile(values, np.linspace(5, 95, count))
+    knots: Floats = np.percentile(values, np.linspace(5, 95, count))
     apart = max(float(np.ptp(knots)) / 50, 1e-6)
     kept = [knots[0]]
     for knot in knots[1:]:
         if knot - kept[-1] > apart:
             kept.append(knot)
-    return np.array(kept)
+    return np.asarray(kept)
