@@ -159,16 +159,15 @@ class LaneSearch:
     ) -> list[Candidate]:
         """Return lines with their evidence for paint, compared `among` others, and what that says."""
 
-        def needs_height(_: LaneLine, evidence: LaneEvidence) -> bool:
-            """Return whether the line's height would decide, too."""
-            return self._scoring.needs_height(evidence)
-
         others = [each.evidence for each in among]
+        needs_height = self._scoring.needs_height
         measured = measure_paint(lines, seen.paint, seen.edges, seen.frame, needs_height, others)
-        return [
-            self._scoring.scored(Candidate(line, evidence, variant))
-            for line, evidence in zip(lines, measured, strict=True)
-        ]
+        return self._scored(lines, measured, variant)
+
+    def _scored(
+        self, lines: Sequence[LaneLine], evidence: Sequence[LaneEvidence], variant: Variant
+    ) -> list[Candidate]:
+        return self._scoring.scored([Candidate(*each, variant) for each in zip(lines, evidence, strict=True)])
 
     def _selected(
         self, candidates: Sequence[Candidate], borders: Sequence[LaneLine], seen: _Seen
@@ -180,10 +179,7 @@ class LaneSearch:
             if leads_astray(each.evidence)
             and (half := near_half(each.line, seen.paint, self._config.path_search.blank_cost))
         ]
-        edges = [
-            self._scoring.scored(Candidate(line, evidence, "border"))
-            for line, evidence in zip(borders, measure_border(borders, seen.paint, seen.edges), strict=True)
-        ]
+        edges = self._scored(borders, measure_border(borders, seen.paint, seen.edges), "border")
         proposed = [*candidates, *self._measured(halves, seen, "near half", candidates), *edges]
         chosen = self._scoring.selected(proposed)
         known = [each.line for each in chosen if not each.refusal]

@@ -65,7 +65,7 @@ class AxisRefinement:
         was taken off for the slope. One of unknown height has no say: what stands on the road is drawn out
         into oblique lines in a view from above.
         """
-        lines = [candidate.line for candidate in candidates if self._is_paint(candidate)]
+        lines = self._paint(candidates)
         slopes = [np.gradient(line.n, line.s) for line in lines]
         weights = [_weight(line, slope, self._slope_cost) for line, slope in zip(lines, slopes, strict=True)]
         heard = [i for i, weight in enumerate(weights) if weight >= self._config.score_min]
@@ -81,9 +81,14 @@ class AxisRefinement:
         curvature = float(np.clip(axis.curvature + b[1], -self._curvature_max, self._curvature_max))
         return RoadAxis(axis.heading + float(np.arctan(b[0])), curvature)
 
-    def _is_paint(self, candidate: Candidate) -> bool:
-        evidence = candidate.evidence
-        return bool(np.isfinite(evidence.height)) and self._scoring.but_for_course(evidence) > 0
+    def _paint(self, candidates: Sequence[Candidate]) -> list[LaneLine]:
+        """Return the lines of known height that are paint by all but their course."""
+        odds = self._scoring.but_for_course([candidate.evidence for candidate in candidates])
+        return [
+            candidate.line
+            for candidate, each in zip(candidates, odds, strict=True)
+            if each > 0 and np.isfinite(candidate.evidence.height)
+        ]
 
 
 def _weight(line: LaneLine, slope: Floats, slope_cost: float) -> float:

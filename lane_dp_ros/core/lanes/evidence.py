@@ -35,7 +35,7 @@ from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 Cells = NDArray[np.intp]
-NeedsHeight = Callable[[LaneLine, LaneEvidence], bool]
+NeedsHeight = Callable[[Sequence[LaneEvidence]], NDArray[np.bool_]]
 
 STEPS = (  # maps of `EdgeMap` that are looked up along lines
     "rise",
@@ -72,7 +72,7 @@ def measure_paint(
         return []
     measured = _with_paint(measure_border(lines, paint, edges), lines, paint)
     measured = compare_paint(measured, among or measured)
-    needed = [i for i, line in enumerate(lines) if needs_height(line, measured[i])]
+    needed = np.flatnonzero(needs_height(measured)).tolist()
     heights = line_heights([lines[i] for i in needed], paint.view, frame)
     for i, found in zip(needed, heights, strict=True):
         measured[i] = _with_height(measured[i], lines[i], found)
@@ -105,6 +105,8 @@ def measure_border(lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMa
 def _median_of_known(values: Floats, each: Segments) -> Floats:
     """Return the median of each line's values that are known, NaN where fewer than half are."""
     known = np.isfinite(values)
+    if known.all():
+        return each.median(values)
     enough = each.count(known) * 2 > each.lengths
     kept = known | ~enough[each.index]
     return np.where(enough, each.of_kept(kept).median(np.nan_to_num(values[kept])), np.nan)

@@ -10,7 +10,7 @@ terms are of two lines side by side. `lane_dp fit-evidence` writes the file that
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -79,9 +79,18 @@ class EvidenceModel:
         """Return what each measurement adds to the log-odds of a class."""
         return {name: float(term(getattr(evidence, name))) for name, term in self.terms[kind].items()}
 
-    def log_odds(self, kind: str, evidence: LaneEvidence) -> float:
-        """Return the log-odds of a class against clutter, by a line's own evidence."""
-        return self.start[kind] + sum(self.parts(kind, evidence).values())
+    def log_odds(self, kind: str, evidence: Sequence[LaneEvidence], without: Collection[str] = ()) -> Floats:
+        """Return the log-odds (N,) of a class against clutter, by the own evidence of each of N lines.
+
+        As if what is named in `without` were not known.
+        """
+        total = np.full(len(evidence), self.start[kind])
+        for name, term in self.terms[kind].items():
+            if name in without:
+                total += term.unknown
+            else:
+                total += term(np.array([getattr(each, name) for each in evidence], np.float64))
+        return total
 
 
 @lru_cache(maxsize=8)

@@ -9,10 +9,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence
-from lane_dp_ros.core.lanes.evidence_model import evidence_model
+from lane_dp_ros.core.lanes.evidence_model import CLASSES, evidence_model
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig, select
+
+Floats = NDArray[Any]
 
 HEIGHT = ("height", "kerb_step")
 COURSE = ("slope", "off_paint_fraction")
@@ -25,31 +28,29 @@ class EvidenceScoring:
     def __init__(self, config: LaneSelectionConfig) -> None:
         self.config, self.model = config, evidence_model(config.evidence_model)
 
-    def scored(self, candidate: Candidate) -> Candidate:
-        """Return a candidate with its log-odds, and the reason where it can be no paint."""
-        evidence = candidate.evidence
-        edge = self.model.log_odds("edge", evidence)
-        reason = self._impossible(candidate)
-        paint = -np.inf if reason else self.model.log_odds("paint", evidence)
-        return replace(candidate, log_odds=(paint, edge), refusal=reason)
+    def scored(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+        """Return candidates with their log-odds, and the reason where one can be no paint."""
+        evidence = [each.evidence for each in candidates]
+        paint, edge = (self.model.log_odds(kind, evidence).tolist() for kind in CLASSES)
+        return [
+            replace(each, log_odds=(-np.inf if reason else paint[i], edge[i]), refusal=reason)
+            for i, each in enumerate(candidates)
+            for reason in [self._impossible(each)]
+        ]
 
     def selected(self, candidates: Sequence[Candidate]) -> list[Candidate]:
         """Return the candidates, each told what it is in the light of all others, see `select`."""
         return select(candidates, self.model, self.config)
 
-    def needs_height(self, evidence: LaneEvidence) -> bool:
-        """Return whether the height of a line may decide whether it is paint."""
+    def needs_height(self, evidence: Sequence[LaneEvidence]) -> NDArray[np.bool_]:
+        """Return of which lines (N,) the height may decide whether they are paint."""
         terms = [self.model.terms["paint"][name] for name in HEIGHT if name in self.model.terms["paint"]]
         at_best = sum(term.highest - term.unknown for term in terms)
-        return self._without(evidence, HEIGHT) + at_best > HEIGHT_DECIDES
+        return np.asarray(self.model.log_odds("paint", evidence, HEIGHT) + at_best > HEIGHT_DECIDES)
 
-    def but_for_course(self, evidence: LaneEvidence) -> float:
-        """Return the log-odds of paint by all but where a line leads: steeply, or past its paint."""
-        return self._without(evidence, COURSE)
-
-    def _without(self, evidence: LaneEvidence, names: tuple[str, ...]) -> float:
-        unknown: dict[str, Any] = dict.fromkeys(names, np.nan)
-        return self.model.log_odds("paint", replace(evidence, **unknown))
+    def but_for_course(self, evidence: Sequence[LaneEvidence]) -> Floats:
+        """Return the log-odds (N,) of paint by all but where lines lead: steeply, or past their paint."""
+        return self.model.log_odds("paint", evidence, COURSE)
 
     def _impossible(self, candidate: Candidate) -> str:
         """Return why a candidate can be no paint, whatever else speaks for it; empty where it can."""

@@ -102,19 +102,19 @@ class Curve:
 def curve(sign: Sign, values: Floats) -> Curve:
     """Return a curve of that shape for values (N,), of which some may be NaN."""
     known = values[np.isfinite(values)]
-    knots: Floats
     if len(known) < MANY:
         return Curve(np.array([0.0, 1.0]) + sign.turn, np.array([_up(sign)], np.int8))
+    knots: Floats
     if sign.shape in ("peak", "valley"):
         sides = (sign.turn - known[known < sign.turn], known[known > sign.turn] - sign.turn)
         left, right = (_knots(side, KNOTS_ASIDE)[1:] for side in sides)
-        knots = np.concatenate([sign.turn - left[::-1], [sign.turn], sign.turn + right])
+        knots = np.hstack([sign.turn - left[::-1], [sign.turn], sign.turn + right])
     else:
         knots = _knots(known, KNOTS)
     if len(knots) < 2:
-        knots = knots[0] + np.arange(2.0)
+        knots = knots[0] + np.arange(2)
     middle = (knots[1:] + knots[:-1]) / 2
-    up = np.full(len(middle), _up(sign))
+    up: Floats = np.full(len(middle), _up(sign))
     if sign.shape in ("peak", "valley"):
         up = np.where(middle > sign.turn, -up, up)
     against = up[0] > 0, up[-1] < 0
