@@ -30,6 +30,7 @@ STAGES = [
     "paint_map",
     "path_search",
     "lane_model",
+    "road_edges",
     "lane_selection",
     "markings",
 ]

@@ -17,7 +17,7 @@ from lane_dp_ros.core.search import LaneSearch, RoadView, SearchResult
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.types import StereoFrame
 
-STEPS = ["birds_eye", "paint_map", "path_search", "lane_model", "lane_selection"]
+STEPS = ["birds_eye", "paint_map", "path_search", "lane_model", "road_edges", "lane_selection"]
 BEND = RoadAxis(heading=-0.05, curvature=0.01)
 
 
