@@ -104,12 +104,21 @@ def test_log_odds_of_two_lines_are_those_of_their_gap_and_overlap():
     """Each term is worth as much as its gap [m], times its place in the list, or as its overlap."""
     at = np.array([0.0, 10.0])
     pairs = {name: Term(at, at * (k + 1)) for k, name in enumerate(PAIRS)}
-    found = Neighbours.of([line(-2.0), line(1.0), line(1.1)])
+    found = Neighbours.of([line(-2.0), line(1.0), line(1.1, slope=0.01)])
     worth = found.log_odds(EvidenceModel({}, {}, pairs, {}))
     assert worth[0, 1, PAINT, PAINT] == pytest.approx(3.0 * 1)
-    assert worth[1, 2, PAINT, PAINT] == pytest.approx(0.1 * 1 + 1.0 * 2)
-    assert worth[1, 2, PAINT, EDGE] == pytest.approx(0.1 * 3)
-    assert worth[1, 2, EDGE, PAINT] == pytest.approx(0.1 * 4)
-    assert worth[1, 2, EDGE, EDGE] == pytest.approx(0.1 * 5)
+    gap, overlap = found.gap[1, 2], found.overlap[1, 2]
+    assert (gap, overlap) == pytest.approx((0.2, 0.5), abs=0.03)
+    assert worth[1, 2, PAINT, PAINT] == pytest.approx(gap * 1 + overlap * 2)
+    assert worth[1, 2, PAINT, EDGE] == pytest.approx(gap * 3)
+    assert worth[1, 2, EDGE, PAINT] == pytest.approx(gap * 4)
+    assert worth[1, 2, EDGE, EDGE] == pytest.approx(gap * 5)
     assert worth[0, 1, EDGE, PAINT] == pytest.approx(3.0 * 6)
     assert worth[0, 1, EDGE, EDGE] == pytest.approx(3.0 * 7)
+
+
+def test_two_lines_in_one_place_are_not_both_paint():
+    pairs = {name: Term(np.array([0.0]), np.array([50.0])) for name in PAIRS}
+    worth = Neighbours.of([line(1.0), line(1.1)]).log_odds(EvidenceModel({}, {}, pairs, {}))
+    assert worth[0, 1, PAINT, PAINT] == -1e9
+    assert worth[0, 1, PAINT, EDGE] == 50.0

@@ -71,9 +71,18 @@ def test_of_a_line_found_twice_the_more_probable_one_is_taken(aside):
     assert found == ["paint", "none"]
 
 
-@pytest.mark.xfail(strict=True, reason="two sure candidates outweigh what speaks against one place twice")
-def test_of_a_sure_line_found_twice_one_is_taken():
-    assert selected(candidate(-1.75, 5.0), candidate(-1.75, 4.0)) == ["paint", "none"]
+@pytest.mark.parametrize("last", [30.0, 18.0], ids=["all of it", "its nearer half"])
+def test_of_a_line_found_twice_one_is_taken_however_sure_both_are(last):
+    assert selected(candidate(-1.75, 9.0), candidate(-1.75, 8.0, last=last)) == ["paint", "none"]
+    assert selected(candidate(-1.75, 8.0), candidate(-1.75, 9.0, last=last)) == ["none", "paint"]
+
+
+@pytest.mark.parametrize(("shared", "kinds"), [(12.0, ["paint", "none"]), (8.0, ["paint", "paint"])])
+def test_lines_that_part_are_two_where_they_share_less_than_half(shared, kinds):
+    """From where they part on the other line runs 1 m aside."""
+    other = candidate(1.75, 8.0, last=25.0)
+    aside = np.where(other.line.s > 5.0 + shared, 1.0, 0.0)
+    assert selected(candidate(1.75, 9.0), replace(other, line=replace(other.line, n=1.75 + aside))) == kinds
 
 
 def test_a_line_found_twice_is_as_probable_as_both_together():
