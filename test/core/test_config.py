@@ -14,43 +14,19 @@ ALL = parameters(DetectorConfig())
 # What an expert or a fit should touch only; ROS tools do not list them.
 EXPERT = {
     "path_search": ("slope_max", "slope_cost", "bend_cost", "separation_min", "passes"),
-    "lane_selection": (
-        "wide_band_ratio_max",
-        "off_paint_fraction_max",
-        "saturation_contrast_min",
-        "slope_per_bend",
-        "kerb_contrast_max",
-        "kerb_saturation_contrast_max",
-        "kerb_step_min",
-        "unbroken_min",
-        "rail_width_max",
-        "kerb_width_min",
-        "kerb_height_min",
-        "kerb_brightness_max",
-        "same_line",
-        "double_line",
-        "strong_score",
-        "strong_segment",
-        "strong_dashes",
-        "score_unknown_height",
-    ),
+    "lane_selection": ("paint_width_max", "wide_band_ratio_max", "height_max"),
     "extension": ("gap_max", "turn_max"),
-    "parallel": ("contrast_min", "contrast_max", "blank_cost", "score_min", "ego_max"),
-    "stop_line": ("unpainted_min", "rise_min"),
-    "plane_sweep": ("distinctness_min",),
-    "axis_refinement": ("slope_min", "score_min"),
-    "mono_fallback": (
-        "paint_width_min",
-        "paint_width_max",
-        "wide_band_ratio_min",
-        "brightness_min",
-        "texture_max",
-        "start_max",
+    "parallel": (
+        "contrast_min",
+        "contrast_max",
+        "blank_cost",
         "score_min",
-        "gap_min",
-        "gap_max",
-        "doubted_confidence",
+        "lane_width_min",
+        "lane_width_max",
+        "ego_max",
     ),
+    "stop_line": ("unpainted_min", "rise_min"),
+    "axis_refinement": ("slope_min", "score_min"),
     "tracking": ("hits_min", "heading_deviation_max", "new_beside", "merge_distance", "confidence_decay"),
 }
 PAPER = {  # section V and VI of the paper; resolution and band as in the authors' program
@@ -91,8 +67,8 @@ def test_what_an_expert_should_touch_only_is_marked():
 
 
 def test_expert_parameters_can_be_replaced_as_others_can():
-    config = replaced(DetectorConfig(), {"mono_fallback.score_min": 8.0, "lane_selection.strong_dashes": 4})
-    assert (config.mono_fallback.score_min, config.lane_selection.strong_dashes) == (8.0, 4)
+    config = replaced(DetectorConfig(), {"parallel.score_min": 8.0, "lane_selection.height_max": 0.2})
+    assert (config.parallel.score_min, config.lane_selection.height_max) == (8.0, 0.2)
 
 
 def test_the_default_preset_is_the_default():
@@ -126,8 +102,8 @@ def test_an_unknown_preset_is_refused():
             "paint_map.contrast_max: got 2.8, expected more than contrast_min = 2.8",
         ),
         (
-            {"lane_selection.lane_width_min": 3.0, "lane_selection.lane_width_max": 2.5},
-            "lane_selection.lane_width_max: got 2.5, expected more than lane_width_min = 3.0",
+            {"parallel.lane_width_min": 3.0, "parallel.lane_width_max": 2.5},
+            "parallel.lane_width_max: got 2.5, expected more than lane_width_min = 3.0",
         ),
         (
             {"parallel.contrast_min": 1.5},

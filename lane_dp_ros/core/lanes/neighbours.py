@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.dp.ordered_choice import NEVER
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.evidence_model import CLASSES, PAIRS, EvidenceModel
 
@@ -19,6 +20,7 @@ Masks = NDArray[np.bool_]
 
 STEP = 1.0  # m along the road at which lines are compared
 SAME_PLACE = 0.2  # m; two lines so near show the same paint
+SAME_PAINT = 0.5  # share of the shorter line; two that have more in one place are not both lines
 ONE_LINE = 0.35  # m; lines that are so near on average tell of one
 PAINT, EDGE = range(len(CLASSES))
 
@@ -65,6 +67,7 @@ class Neighbours:
         total = np.zeros((*self.gap.shape, len(CLASSES), len(CLASSES)))
         for name, where in relations(self.left).items():
             total += where * model.pairs[name](self.measure(name))[..., None, None]
+        total[self.overlap > SAME_PAINT, PAINT, PAINT] = NEVER
         return total
 
     def measure(self, name: str) -> Floats:

@@ -10,25 +10,33 @@ import pytest
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.axis_refinement import AxisRefinement, AxisRefinementConfig
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.scoring import EvidenceScoring
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 
 SLOPE_COST, CURVATURE_MAX = 4.0, 0.05
-REFINEMENT = AxisRefinement(AxisRefinementConfig(), LaneSelectionConfig(), SLOPE_COST, CURVATURE_MAX)
+SCORING = EvidenceScoring(LaneSelectionConfig())
+REFINEMENT = AxisRefinement(AxisRefinementConfig(), SCORING, SLOPE_COST, CURVATURE_MAX)
 PAINT = LaneEvidence(
+    length=20.0,
+    start=5.0,
+    slope=0.3,  # more than a line along the axis may have
+    score=15.0,
     paint_width=0.15,
     wide_band_ratio=0.4,
     height=0.0,
     kerb_step=0.0,
-    slope=0.3,  # more than a line along the axis may have
     off_paint_fraction=0.02,
     texture=0.05,
     contrast=0.5,
     saturation_contrast=0.5,
+    relative_contrast=1.0,
     brightness=0.5,
     longest_segment=10.0,
     dashes=1,
+    painted=0.9,
+    rise=0.0,
 )
-KERB = replace(PAINT, contrast=0.3, saturation_contrast=0.3, kerb_step=0.17)
+KERB = replace(PAINT, contrast=0.1, saturation_contrast=0.05, relative_contrast=0.3, height=0.08, rise=0.12)
 STREAK = replace(PAINT, height=np.nan)
 ASKEW = np.tan(np.deg2rad(15))
 
@@ -128,9 +136,7 @@ def test_without_lines_there_is_no_other_axis():
     ids=str,
 )
 def test_the_limits_are_those_of_the_configuration(config, turns):
-    refinement = AxisRefinement(
-        AxisRefinementConfig(**config), LaneSelectionConfig(), SLOPE_COST, CURVATURE_MAX
-    )
+    refinement = AxisRefinement(AxisRefinementConfig(**config), SCORING, SLOPE_COST, CURVATURE_MAX)
     assert (turned((line(-2), PAINT), refinement=refinement) is not None) == turns
 
 

@@ -9,7 +9,6 @@ from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.double_line import side_by_side, twin_beside
 from lane_dp_ros.core.lanes.line_kind import paint_along
 
-APART = 0.75  # m
 CENTRE = 1.025  # m
 PER_ROW = 0.25  # m
 
@@ -41,8 +40,8 @@ def twin(road, n=CENTRE):
     ],
 )
 def test_a_double_line_is_two_lines_that_run_side_by_side(other, expected):
-    assert side_by_side(line(0.0), other, APART) is expected
-    assert side_by_side(other, line(0.0), APART) is expected
+    assert side_by_side(line(0.0), other) is expected
+    assert side_by_side(other, line(0.0)) is expected
 
 
 @pytest.mark.parametrize("side", [-1, 1])

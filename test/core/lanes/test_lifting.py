@@ -9,7 +9,7 @@ import pytest
 
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine, Marking
-from lane_dp_ros.core.lanes.lifting import to_lanes
+from lane_dp_ros.core.lanes.lifting import to_lanes, to_road_edges
 from lane_dp_ros.core.types import ego_roles
 
 AXES = {"straight": RoadAxis(), "right bend": RoadAxis(-0.1, 0.05), "left bend": RoadAxis(0.1, -0.05)}
@@ -101,10 +101,23 @@ def test_a_short_line_has_two_points_at_least(painted_road):
     assert len(to_lanes([Candidate(line, evidence())], view)[0].points) == 2
 
 
-@pytest.mark.parametrize(("score", "confidence"), [(2.0, 0.8772), (10.0, 0.9448), (25.0, 0.9877)])
-def test_confidence_grows_with_paint_up_to_one(painted_road, score, confidence):
+@pytest.mark.parametrize(
+    ("probability", "of_lane", "of_edge"), [((0.9, 0.05), 0.9, 0.05), ((0.0, 1.0), 0.01, 1.0)]
+)
+def test_confidence_is_the_probability_of_what_it_is(painted_road, probability, of_lane, of_edge):
+    """It is never so small that nobody could see it drawn."""
     view = painted_road().view()
-    assert to_lanes([candidate_at(view, 0, score)], view)[0].confidence == pytest.approx(confidence, abs=1e-4)
+    candidate = replace(candidate_at(view, 0), probability=probability)
+    assert to_lanes([candidate], view)[0].confidence == of_lane
+    assert to_road_edges([candidate], view)[0].confidence == of_edge
+
+
+def test_road_edges_come_from_left_to_right_without_paint(painted_road):
+    view = painted_road().view()
+    edges = to_road_edges([candidate_at(view, n) for n in (3.5, -2.5, 4.5)], view)
+    assert [edge.lateral_offset for edge in edges] == [-2.5, 3.5, 4.5]
+    assert [edge.role for edge in edges] == ["ego_left", "ego_right", "other"]
+    assert {(edge.kind, edge.paint_width, edge.colour) for edge in edges} == {("edge", 0.0, "")}
 
 
 def test_curvature_is_that_of_the_concentric_arc_and_the_lines_own(painted_road):

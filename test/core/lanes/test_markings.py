@@ -10,7 +10,6 @@ import pytest
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine, Marking
 from lane_dp_ros.core.lanes.markings import with_markings
 
-DOUBLE_LINE = 0.75  # m
 ROAD, WHITE, YELLOW = (96, 95, 93), (215, 214, 213), (70, 172, 214)  # BGR
 EVIDENCE = LaneEvidence(**{field.name: 0 for field in fields(LaneEvidence)})
 
@@ -27,7 +26,6 @@ def markings(road, places, picture=None):
         candidates_at(paint.view, places),
         paint,
         paint.view.image if picture is None else picture,
-        DOUBLE_LINE,
     )
     assert [each.line.n[0] for each in found] == places
     return [each.marking for each in found]

@@ -7,11 +7,10 @@ import pytest
 
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
-from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes.variants import parallel
 from lane_dp_ros.core.lanes.variants.parallel import ParallelConfig, best_stretches, parallel_lines
 
-CONFIG, SELECTION = ParallelConfig(), LaneSelectionConfig()
+CONFIG = ParallelConfig()
 FAINT = 4  # grey levels, as much as the noise
 
 
@@ -22,11 +21,11 @@ def line_at(view, course, score=10.0, first=0.0):
     return LaneLine(rows, s, n, 0.0, score)
 
 
-def look(road, *lines, config=CONFIG, selection=SELECTION):
+def look(road, *lines, config=CONFIG):
     """Look beside lines given by their courses, the first the strongest."""
     paint = road.bands()
     given = [line_at(paint.view, course, score=10.0 - i) for i, course in enumerate(lines)]
-    return parallel_lines(given, paint, config, selection)
+    return parallel_lines(given, paint, config)
 
 
 @pytest.mark.parametrize("given", [-1.725, 1.725], ids=["left", "right"])
@@ -151,10 +150,10 @@ def test_the_limits_are_those_of_the_configuration(painted_road, limits, found):
 @pytest.mark.parametrize(
     ("limits", "found"), [({"lane_width_max": 3.2}, 0), ({"lane_width_min": 3.6}, 0), ({}, 1)]
 )
-def test_a_lane_is_as_wide_as_the_selection_lets_it_be(painted_road, limits, found):
+def test_a_lane_is_as_wide_as_the_configuration_lets_it_be(painted_road, limits, found):
     """The lines are 3.45 m apart."""
     road = painted_road().line(-1.725).line(1.725, brightness=FAINT)
-    assert len(look(road, -1.725, selection=LaneSelectionConfig(**limits))) == found
+    assert len(look(road, -1.725, config=ParallelConfig(**limits))) == found
 
 
 @pytest.mark.parametrize(("rows", "found"), [(MIN_ROWS - 1, 0), (MIN_ROWS, 1)])
