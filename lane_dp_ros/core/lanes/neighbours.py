@@ -62,12 +62,17 @@ class Neighbours:
         """Return which two show one line, (N, N), each with itself."""
         return np.asarray((self.gap <= ONE_LINE) | np.eye(len(self.gap), dtype=bool))
 
+    @property
+    def one_paint(self) -> Masks:
+        """Return which two show the same paint, (N, N): they are not both lane lines."""
+        return np.asarray(self.overlap > SAME_PAINT)
+
     def log_odds(self, model: EvidenceModel) -> Floats:
         """Return what each two lines are worth together, (N, N, classes, classes), the left one first."""
         total = np.zeros((*self.gap.shape, len(CLASSES), len(CLASSES)))
         for name, where in relations(self.left).items():
             total += where * model.pairs[name](self.measure(name))[..., None, None]
-        total[self.overlap > SAME_PAINT, PAINT, PAINT] = NEVER
+        total[self.one_paint, PAINT, PAINT] = NEVER
         return total
 
     def measure(self, name: str) -> Floats:

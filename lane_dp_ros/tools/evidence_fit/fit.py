@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.dp.ordered_choice import NEVER, Marginals, at_least_one, marginals
 from lane_dp_ros.core.lanes.evidence_model import CLASSES, PAIRS, EvidenceModel, Term
-from lane_dp_ros.core.lanes.neighbours import relations
+from lane_dp_ros.core.lanes.neighbours import PAINT, relations
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.evidence_fit.curves import GAPS, OVERLAPS, SIGNS, Curve, curve
 from lane_dp_ros.tools.evidence_fit.examples import CLUTTER, Example, evidence_values
@@ -89,6 +89,8 @@ class _Group:
     pairs: Floats
     """(examples, things, things, knots): what each knot of the gap counts."""
     overlap: Floats
+    one_paint: NDArray[np.bool_]
+    """(examples, things, things): which two are not both lane lines."""
     relations: Mapping[str, NDArray[np.bool_]]
     weight: Floats
 
@@ -157,6 +159,7 @@ class EvidenceFit:
         pairs = np.zeros((len(examples), count, count, len(GAPS)))
         overlap = np.zeros((len(examples), count, count, len(OVERLAPS)))
         left = np.zeros((len(examples), count), bool)
+        one_paint = np.zeros((len(examples), count, count), bool)
         skipping = np.zeros((len(examples), count + 2, count + 2))
         for i, each in enumerate(examples):
             n = len(each.evidence)
@@ -169,9 +172,12 @@ class EvidenceFit:
             pairs[i, :n, :n] = hats(each.neighbours.gap, GAPS)
             overlap[i, :n, :n] = hats(each.neighbours.overlap, OVERLAPS)
             left[i, :n] = each.neighbours.left
+            one_paint[i, :n, :n] = each.neighbours.one_paint
             skipping[i] = at_least_one(each.found, count)
         where = {name: np.stack([relations(row)[name] for row in left]) for name in PAIRS}
-        return _Group(design, may_be[..., :CLUTTER], skipping, pairs, overlap, where, np.array(weights))
+        return _Group(
+            design, may_be[..., :CLUTTER], skipping, pairs, overlap, one_paint, where, np.array(weights)
+        )
 
     def _loss(self, coefficients: Floats) -> tuple[float, Floats]:
         """Return the negative logarithm of the likelihood, with the ridge, and its gradient."""
@@ -184,6 +190,7 @@ class EvidenceFit:
                 group.relations[name] * (_basis(group, name) @ own)[..., None, None]
                 for name, own in zip(PAIRS, of_pairs, strict=True)
             )
+            together[group.one_paint, PAINT, PAINT] = NEVER
             free = marginals(worth, together)
             told = marginals(np.where(group.possible, worth, NEVER), together, group.skipping)
             loss += float(group.weight @ (free.log_total - told.log_total))
