@@ -95,7 +95,9 @@ def test_rough_ground_makes_a_step_of_brightness_less_certain(painted_road):
 def test_both_steps_in_one_place_are_more_certain_than_either(painted_road):
     kerb = with_kerb(painted_road(), 1, 0.06)
     grey, both = painted_road().step(BORDER, 5), with_kerb(painted_road(), 1, 0.06).step(BORDER, 5)
-    of_kerb, of_grey, of_both = (at_border(each, each.feature, 1).mean() for each in map(mapped, (kerb, grey, both)))
+    of_kerb, of_grey, of_both = (
+        at_border(each, each.feature, 1).mean() for each in map(mapped, (kerb, grey, both))
+    )
     assert of_both == pytest.approx(of_kerb + of_grey, abs=0.02)
     assert max(of_kerb, of_grey) < of_both < 1
 
@@ -135,7 +137,9 @@ def test_far_off_a_step_has_to_be_higher(painted_road):
 
 def test_cells_are_the_nearest_ones_and_inside(painted_road):
     edges = mapped(painted_road())
-    rows, columns = edges.cells(np.array([4.5, 23.4, 10.9, 0.0, 99.0]), np.array([-4.9, 4.9, 0.08, -9.0, 9.0]))
+    rows, columns = edges.cells(
+        np.array([4.5, 23.4, 10.9, 0.0, 99.0]), np.array([-4.9, 4.9, 0.08, -9.0, 9.0])
+    )
     assert rows.tolist() == [19, 0, 13, 19, 0]
     assert columns.tolist() == [0, 49, 25, 0, 49]
 

@@ -26,7 +26,10 @@ ANYTHING, NO_PAINT = (True, True, True), (False, True, True)
 def view():
     s, n = np.arange(30.125, 4.0, -0.25), np.arange(-11.975, 12.0, 0.05)
     surface = QuadraticSurface.plane(CAMERA, HEIGHT, 0.0)
-    u, v = (each.astype(np.float32) for each in surface.ground_to_pixel(n[None] + 0 * s[:, None], s[:, None] + 0 * n))
+    u, v = (
+        each.astype(np.float32)
+        for each in surface.ground_to_pixel(n[None] + 0 * s[:, None], s[:, None] + 0 * n)
+    )
     shape, seen = u.shape, np.ones(u.shape, bool)
     image, height = np.zeros(shape, np.uint8), np.zeros(shape, np.float32)
     return BirdsEyeView(image, seen, seen, height, u, v, s, n, RoadAxis(), surface, surface)
@@ -68,7 +71,9 @@ def test_several_on_one_label_are_one_line():
 
 
 def test_candidates_come_from_left_to_right():
-    detection = LaneDetection(candidates=(candidate(1.8, score=1.0), candidate(-1.8, score=2.0)), birds_eye=VIEW)
+    detection = LaneDetection(
+        candidates=(candidate(1.8, score=1.0), candidate(-1.8, score=2.0)), birds_eye=VIEW
+    )
     truth = LabelledFrame("a/0", CAMERA, (1200, 370), GROUND, ())
     found = example("a/0", "a", detection, truth, True)
     assert [each.score for each in found.evidence] == [2.0, 1.0]
