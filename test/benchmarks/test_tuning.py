@@ -77,7 +77,7 @@ def test_what_is_tried_is_what_the_default_pipeline_reads(pairs, read):
     config, pipeline = DetectorConfig(), LanePipeline()
     read.clear()
     for pair in pairs:
-        assert len(pair.followed(config, pipeline)) == 3
+        assert len(pair.followed(config, pipeline).lanes) == 3
     assert read & set(SPECS) == set(tuning.TRIED) | CHOICES
 
 
