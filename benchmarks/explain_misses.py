@@ -22,7 +22,7 @@ from study_runner import JudgedPair, kitti_pairs, labelled_pairs, lane_of
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.core.lanes.candidate import Candidate
-from lane_dp_ros.core.lanes.evidence_model import evidence_model
+from lane_dp_ros.core.lanes.evidence_model import EvidenceModel, evidence_model
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.annotations import Label, by_depth
@@ -57,8 +57,8 @@ def beside(pair: JudgedPair, label: Label, lane: Lane) -> tuple[float, float]:
     return float(np.abs(aside).mean()), float(covered.mean())
 
 
-def explanations(pair: JudgedPair, detection: LaneDetection, label: Label) -> list[str]:
-    """Return what there is to say of each candidate near a label, the nearest first."""
+def explanations(pair: JudgedPair, detection: LaneDetection, label: Label, model: EvidenceModel) -> list[str]:
+    """Return what there is to say of each candidate near a label, the nearest first; `model` judged them."""
     painted = [each for each in detection.candidates if each.variant != "border"]
     found = [(*beside(pair, label, lane_of(each, detection)), each) for each in painted]
     near = sorted((each for each in found if each[0] <= NEAR), key=lambda each: each[0])
@@ -67,14 +67,13 @@ def explanations(pair: JudgedPair, detection: LaneDetection, label: Label) -> li
         return [nothing or f"no candidate within {NEAR:g} m"]
     return [
         f"{candidate.variant}, {aside:.2f} m beside {share:.0%} of it, {candidate.score:.1f} m of paint: "
-        + (f"{candidate.refusal} ({costs(candidate)})" if candidate.refusal else "published")
+        + (f"{candidate.refusal} ({costs(candidate, model)})" if candidate.refusal else "published")
         for aside, share, candidate in near
     ]
 
 
-def costs(candidate: Candidate) -> str:
+def costs(candidate: Candidate, model: EvidenceModel) -> str:
     """Return the measurements by which a candidate loses most log-odds against the best paint there is."""
-    model = evidence_model()
     lost = {
         name: model.terms["paint"][name].highest - part
         for name, part in model.parts("paint", candidate.evidence).items()
@@ -85,6 +84,7 @@ def costs(candidate: Candidate) -> str:
 
 def misses(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[str]:
     """Yield a line for each label that is not found, and one for each candidate near it."""
+    model = evidence_model(config.lane_selection.evidence_model)
     for pair in progress(pairs, len(pairs), "pair"):
         if pair.truth is None:
             continue
@@ -93,7 +93,7 @@ def misses(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[str]
         for label in pair.truth.labels:
             if label.id in missed:
                 yield f"{pair.name} {label.id}:"
-                yield from (f"  {text}" for text in explanations(pair, detection, label))
+                yield from (f"  {text}" for text in explanations(pair, detection, label, model))
 
 
 def run(arguments: argparse.Namespace) -> None:
