@@ -4,8 +4,9 @@
 
 python benchmarks/explain_misses.py DATA [SUITE] [--set NAME=VALUE ...]
 DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Printed is, for each label that is not
-found, every candidate for paint near it: how far beside it and over what share of it, its metres of paint, why
-it is refused, and the measurements that cost it most against the best paint there is. Without a candidate no path leads there, or the road's direction or surface is wrong.
+found, every candidate for paint near it: how far beside it and over what share of it, its metres of paint,
+why it is refused, and the measurements by which it loses most log-odds against the best paint there is.
+Without a candidate no path leads there, or the road's direction or surface is wrong.
 """
 
 from __future__ import annotations
