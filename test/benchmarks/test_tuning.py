@@ -56,7 +56,8 @@ def read(monkeypatch):
         own = {field.name for field in fields(config)}
 
         def getattribute(self, name):
-            if name in own:
+            copied = sys._getframe(1).f_globals["__name__"] == "dataclasses"  # by replace(), not looked at
+            if name in own and not copied:
                 names.add(prefix + name)
             return object.__getattribute__(self, name)
 
