@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,12 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.lanes import evidence, line_fit
-from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.candidate import Candidate, LaneLine
+from lane_dp_ros.core.lanes.edge_lines import EdgeLineSearch
+from lane_dp_ros.core.lanes.evidence_model import CLASSES
+from lane_dp_ros.core.lanes.neighbours import Neighbours
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
+from lane_dp_ros.core.lanes.scoring import EvidenceScoring
 from lane_dp_ros.core.parameter import Value, parameters, replaced
 from lane_dp_ros.core.road import arc_vote, road_profile, road_samples, vanishing_point
 from lane_dp_ros.core.road.direct_alignment import Alignment
@@ -42,6 +46,7 @@ from lane_dp_ros.tools.parallel import available_cpus
 from lane_dp_ros.tools.progress import progress
 
 ANY = 1e9  # a limit that nothing exceeds
+METRES = 4.0  # net metres of paint, as likely a line as none
 TEXTURE = 5.0  # grey levels: that of ordinary asphalt
 SPECS = parameters(DetectorConfig())
 BUILD = BandsPaintMap.build
@@ -87,18 +92,18 @@ def no_heights(lines: Sequence[LaneLine], *_: object) -> list[LineHeights]:
 
 
 def no_lines(*_: object) -> list[LaneLine]:
-    """Find no faint lines."""
+    """Find no lines."""
     return []
 
 
-def no_refusal(*_: object) -> str:
-    """Accept every line."""
-    return ""
+def by_themselves(neighbours: Neighbours, *_: object) -> np.ndarray[Any, Any]:
+    """Have no two lines speak for or against one another."""
+    return np.zeros((*neighbours.gap.shape, len(CLASSES), len(CLASSES)))
 
 
-def lowest(*names: str) -> dict[str, Value]:
-    """Return the least value that each of these parameters may have."""
-    return {name: SPECS[name].type(SPECS[name].minimum) for name in names}
+def by_metres(_: EvidenceScoring, candidate: Candidate) -> Candidate:
+    """Take for paint what has some metres of it, and nothing for a border."""
+    return replace(candidate, log_odds=(candidate.score - METRES, -np.inf))
 
 
 def highest(*names: str) -> dict[str, Value]:
@@ -147,43 +152,17 @@ ABLATIONS = (
     Ablation("lines not ended at stop lines", highest("stop_line.unpainted_min")),
     Ablation("the near half of a refused line is not kept", patches=replacing(search, near_half=no_half)),
     Ablation("no heights along lines", patches=replacing(evidence, line_heights=no_heights)),
-    Ablation("no height test", highest("lane_selection.height_max")),
-    Ablation("no test of the greatest width", highest("lane_selection.paint_width_max")),
-    Ablation("no wide-band test", highest("lane_selection.wide_band_ratio_max")),
-    Ablation("no contrast test", lowest("lane_selection.contrast_min")),
-    Ablation("contrast alone counts, in glare, too", highest("lane_selection.saturation_contrast_min")),
-    Ablation("no signs of kerbs", lowest("lane_selection.kerb_contrast_max")),
-    Ablation("kerbs: no step test", highest("lane_selection.kerb_step_min")),
-    Ablation("kerbs: no width test", highest("lane_selection.kerb_width_min")),
-    Ablation("rails: no test for narrow pale stripes", lowest("lane_selection.rail_width_max")),
-    Ablation("kerbs: no height test", highest("lane_selection.kerb_height_min")),
-    Ablation("kerbs: no brightness test", lowest("lane_selection.kerb_brightness_max")),
-    Ablation("kerbs: signs count for dashes, too", lowest("lane_selection.unbroken_min")),
-    Ablation("no slope test", highest("lane_selection.slope_max")),
-    Ablation("slope test no laxer in bends", lowest("lane_selection.slope_per_bend")),
-    Ablation("lines may pass beside their paint", highest("lane_selection.off_paint_fraction_max")),
-    Ablation("no texture test", highest("lane_selection.texture_max")),
-    Ablation("no test of the beginning", highest("lane_selection.start_max")),
-    Ablation("no mid-lane rule", lowest("lane_selection.strong_score", "lane_selection.strong_segment")),
-    Ablation("mid-lane rule: dashes do not count", highest("lane_selection.strong_dashes")),
+    Ablation("lines judged each by itself", patches=replacing(Neighbours, log_odds=by_themselves)),
     Ablation(
-        "weak lines need no partner",
-        lowest("lane_selection.score_alone", "lane_selection.score_unknown_height"),
+        "no borders of the carriageway among the candidates", patches=replacing(EdgeLineSearch, find=no_lines)
     ),
-    Ablation("unknown height asks for no more paint", lowest("lane_selection.score_unknown_height")),
     Ablation(
-        "no tests at all, only 4 m of paint",
-        {
-            "lane_selection.score_min": 4.0,
-            "lane_selection.score_alone": 4.0,
-            **lowest(
-                "lane_selection.strong_score",
-                "lane_selection.strong_segment",
-                "lane_selection.score_unknown_height",
-            ),
-        },
-        replacing(search, refusal=no_refusal, parallel_lines=no_lines),
+        "no evidence but metres of paint: 4 m make a line",
+        patches=replacing(EvidenceScoring, scored=by_metres),
     ),
+    Ablation("paint as high above the road as it likes", highest("lane_selection.height_max")),
+    Ablation("paint as broad as it likes", highest("lane_selection.paint_width_max")),
+    Ablation("paint as bright beside as on it", highest("lane_selection.wide_band_ratio_max")),
     Ablation("no second look for parallel lines", patches=replacing(search, parallel_lines=no_lines)),
     Ablation("no tracker", {"tracking.enabled": False}),
     Ablation("short losses not bridged", {"tracking.coast_time": 0.0}),

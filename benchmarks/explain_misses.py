@@ -4,8 +4,9 @@
 
 python benchmarks/explain_misses.py DATA [SUITE] [--set NAME=VALUE ...]
 DATA: the labelled KITTI frames; SUITE: a folder of `lane_dp scenes`. Printed is, for each label that is not
-found, every candidate near it: how far beside it and over what share of it, its metres of paint, and why it
-is refused. Without a candidate no path leads there, or the road's direction or surface is wrong.
+found, every candidate for paint near it: how far beside it and over what share of it, its metres of paint,
+why it is refused, and the measurements by which it loses most log-odds against the best paint there is.
+Without a candidate no path leads there, or the road's direction or surface is wrong.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from study_runner import JudgedPair, kitti_pairs, labelled_pairs, lane_of
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection
+from lane_dp_ros.core.lanes.candidate import Candidate
+from lane_dp_ros.core.lanes.evidence_model import EvidenceModel, evidence_model
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.annotations import Label, by_depth
@@ -28,6 +31,7 @@ from lane_dp_ros.tools.evaluation.assignment import END_SLACK
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.progress import progress
 
+COSTLY = 3  # measurements that are told
 NEAR = 0.5  # m beside a label, in the mean; a candidate farther off is of something else
 
 
@@ -54,31 +58,43 @@ def beside(pair: JudgedPair, label: Label, lane: Lane) -> tuple[float, float]:
     return float(np.abs(aside).mean()), float(covered.mean())
 
 
-def explanations(pair: JudgedPair, detection: LaneDetection, label: Label) -> list[str]:
-    """Return what there is to say of each candidate near a label, the nearest first."""
-    found = [(*beside(pair, label, lane_of(each, detection)), each) for each in detection.candidates]
+def explanations(pair: JudgedPair, detection: LaneDetection, label: Label, model: EvidenceModel) -> list[str]:
+    """Return what there is to say of each candidate near a label, the nearest first; `model` judged them."""
+    painted = [each for each in detection.candidates if each.variant != "border"]
+    found = [(*beside(pair, label, lane_of(each, detection)), each) for each in painted]
     near = sorted((each for each in found if each[0] <= NEAR), key=lambda each: each[0])
     if not near:
-        nothing = "" if detection.candidates else detection.note
+        nothing = "" if painted else detection.note
         return [nothing or f"no candidate within {NEAR:g} m"]
     return [
         f"{candidate.variant}, {aside:.2f} m beside {share:.0%} of it, {candidate.score:.1f} m of paint: "
-        + (candidate.refusal or "published")
+        + (f"{candidate.refusal} ({costs(candidate, model)})" if candidate.refusal else "published")
         for aside, share, candidate in near
     ]
 
 
+def costs(candidate: Candidate, model: EvidenceModel) -> str:
+    """Return the measurements by which a candidate loses most log-odds against the best paint there is."""
+    lost = {
+        name: model.terms["paint"][name].highest - part
+        for name, part in model.parts("paint", candidate.evidence).items()
+    }
+    costly = sorted(lost, key=lambda name: -lost[name])[:COSTLY]
+    return ", ".join(f"{name} {-lost[name]:.1f}" for name in costly)
+
+
 def misses(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[str]:
     """Yield a line for each label that is not found, and one for each candidate near it."""
+    model = evidence_model(config.lane_selection.evidence_model)
     for pair in progress(pairs, len(pairs), "pair"):
         if pair.truth is None:
             continue
         detection = pair.detected(config)
-        missed = not_found(pair.judged(detection.lanes))
+        missed = not_found(pair.score(detection))
         for label in pair.truth.labels:
             if label.id in missed:
                 yield f"{pair.name} {label.id}:"
-                yield from (f"  {text}" for text in explanations(pair, detection, label))
+                yield from (f"  {text}" for text in explanations(pair, detection, label, model))
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -19,9 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from calibrate_confidence import logistic_weights
 from command_line import exit_code, parser_of
-from leave_one_drive_out import drive_of
+from drives import drive_of
 from numpy.typing import NDArray
 from study_runner import JudgedPair, labelled_pairs, lane_of
 
@@ -32,6 +31,9 @@ from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.progress import progress
 
 Floats = NDArray[np.float64]
+
+RIDGE = 1e-2  # holds the weights where lines are few
+ROUNDS = 30  # of Newton's method
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,19 @@ def fitted(lines: Sequence[KnownLine]) -> Floats:
     """Return the weights (3,) of 1, missing paint, and log of the longest run."""
     dashed = np.array([line.dashed for line in lines], dtype=np.float64)
     return logistic_weights(_design(lines), dashed, np.array([line.of.count for line in lines]))
+
+
+def logistic_weights(A: Floats, right: Floats, counts: Floats | float = 1.0) -> Floats:
+    """Return w (K,) so that 1 / (1 + exp(-A w)) is the share of right rows of A (N, K), by Newton's method.
+
+    `counts` (N,) is how often each row counts.
+    """
+    w = np.zeros(A.shape[1])
+    for _ in range(ROUNDS):
+        p = 1 / (1 + np.exp(-np.clip(A @ w, -30, 30)))
+        hessian = (A * (counts * p * (1 - p))[:, None]).T @ A + RIDGE * np.eye(len(w))
+        w += np.linalg.solve(hessian, A.T @ (counts * (right - p)) - RIDGE * w)
+    return w
 
 
 def left_out(lines: Sequence[KnownLine]) -> dict[KnownLine, bool]:

@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> None:
     config, everything = DetectorConfig(), []
     for name in DRIVES:
         pipeline = LanePipeline(monitored=False)
-        frames = [pair.followed(config, pipeline) for pair in drive_pairs(arguments.data, name)]
+        frames = [pair.followed(config, pipeline).lanes for pair in drive_pairs(arguments.data, name)]
         of_drive = jitters(frames)
         everything += of_drive
         ids = {lane.id for lanes in frames for lane in lanes}

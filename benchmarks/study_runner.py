@@ -22,7 +22,7 @@ from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lanes.candidate import Candidate
 from lane_dp_ros.core.lanes.lifting import to_lanes
-from lane_dp_ros.core.pipeline import LanePipeline
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
 from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.tools.datasets.kitti import load_pairs as load_drive
 from lane_dp_ros.tools.datasets.kitti import read_odometry
@@ -52,17 +52,21 @@ class JudgedPair:
         """Return what the detector finds in this pair, by itself."""
         return LaneDetector(self.camera, config).detect(self.frame)
 
-    def followed(self, config: DetectorConfig, pipeline: LanePipeline) -> tuple[Lane, ...]:
+    def followed(self, config: DetectorConfig, pipeline: LanePipeline) -> LaneDetection | FrameResult:
         """Return what the node publishes for this pair after those before it."""
         if self.stamp_ns is None:
-            return self.detected(config).lanes
-        return pipeline.process(self.frame, self.camera, self.stamp_ns, config).lanes
+            return self.detected(config)
+        return pipeline.process(self.frame, self.camera, self.stamp_ns, config)
 
-    def judged(self, lanes: tuple[Lane, ...]) -> FrameScore:
-        """Return the verdict on lanes."""
+    def judged(self, lanes: Sequence[Lane], road_edges: Sequence[Lane] | None = None) -> FrameScore:
+        """Return the verdict on lanes, and on the road edges where any are given and labelled."""
         if self.truth is None:
             return judge_unpainted(self.name, lanes, self.sequence, self.stamp_ns or 0)
-        return judge(self.truth, lanes, self.truth.camera)
+        return judge(self.truth, lanes, self.truth.camera, road_edges=road_edges)
+
+    def score(self, found: LaneDetection | FrameResult) -> FrameScore:
+        """Return the verdict on all that was found in this pair."""
+        return self.judged(found.lanes, found.road_edges)
 
 
 def labelled_pairs(data: Path, truth: Path) -> list[JudgedPair]:
@@ -167,8 +171,6 @@ def _judged(config: DetectorConfig, patches: Mapping[str, Any]) -> list[FrameSco
     pipelines: defaultdict[str, LanePipeline] = defaultdict(lambda: LanePipeline(monitored=False))
     with patched(patches):
         return [
-            pair.judged(
-                pair.detected(config).lanes if _alone else pair.followed(config, pipelines[pair.sequence])
-            )
+            pair.score(pair.detected(config) if _alone else pair.followed(config, pipelines[pair.sequence]))
             for pair in _pairs
         ]

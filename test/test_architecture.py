@@ -22,6 +22,13 @@ def test_the_picture_is_that_of_the_imports(draw):
     assert draw["with_picture"](text) == text, "python docs/draw_imports.py --write"
 
 
+def test_every_folder_with_code_is_in_the_picture(draw):
+    folders = {path.parent.relative_to(ROOT) for path in (ROOT / "lane_dp_ros").rglob("*.py")}
+    modules = {".".join(folder.parts) for folder in folders}
+    of_no_room = {module for module in modules if draw["room_of"](module) is None}
+    assert of_no_room == {"lane_dp_ros", "lane_dp_ros.core", "lane_dp_ros.tools"}
+
+
 def test_no_arrow_runs_back(draw):
     """Each room imports rooms that are no deeper in what they import."""
     found = draw["arrows"]()

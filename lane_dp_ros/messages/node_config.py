@@ -18,11 +18,25 @@ RENAMED = {
     "lane_graph.contrast_min": "paint_map.contrast_min",
     "lane_graph.contrast_max": "paint_map.contrast_max",
     "tracking.bridge_time": "tracking.coast_time",
-    "lane_selection.roughness_max": "lane_selection.texture_max",
+    "lane_selection.lane_width_min": "parallel.lane_width_min",
+    "lane_selection.lane_width_max": "parallel.lane_width_max",
 }
 SMALLER = "disparity.correlation_window_size and speckle_size count larger pixels now, leave them out, too"
 # Parameters of before, which a file may still hold for one release, and what is there in their place.
+JUDGED = "lane_selection.evidence_model judges lines, lane_selection.confidence_min says how sure it must be"
 REMOVED = {
+    **dict.fromkeys(
+        (
+            "lane_selection.contrast_min",
+            "lane_selection.roughness_max",
+            "lane_selection.score_alone",
+            "lane_selection.score_min",
+            "lane_selection.slope_max",
+            "lane_selection.start_max",
+            "lane_selection.texture_max",
+        ),
+        JUDGED,
+    ),
     "disparity.disparity_range": f"it follows from the camera's height and the image; {SMALLER}",
     "disparity.downscale": f"it follows from the camera's height and the image; {SMALLER}",
     "road_profile.roll": "the cross slope is always measured, but by road_profile.model quadratic",

@@ -116,6 +116,8 @@ REMOVED = {  # with the values that they had
     "disparity.downscale": 2,
     "road_profile.roll": True,
     "road_profile.residual_threshold": 1.0,
+    "lane_selection.score_min": 1.9,
+    "lane_selection.texture_max": 0.2,
 }
 
 

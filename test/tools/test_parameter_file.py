@@ -115,7 +115,8 @@ OLD_NAMES = {  # with another value than the default's
     "lane_graph.edge_weight": ("paint_map.edge_weight", 0.5),
     "lane_graph.contrast_min": ("paint_map.contrast_min", 0.3),
     "lane_graph.contrast_max": ("paint_map.contrast_max", 2.5),
-    "lane_selection.roughness_max": ("lane_selection.texture_max", 0.3),
+    "lane_selection.lane_width_min": ("parallel.lane_width_min", 2.25),
+    "lane_selection.lane_width_max": ("parallel.lane_width_max", 5.0),
     "tracking.bridge_time": ("tracking.coast_time", 0.4),
 }
 
@@ -138,11 +139,19 @@ def test_of_an_old_name_and_that_of_today_the_latter_counts(tmp_path: Path) -> N
 
 
 SMALLER = "disparity.correlation_window_size and speckle_size count larger pixels now, leave them out, too"
+JUDGED = "lane_selection.evidence_model judges lines, lane_selection.confidence_min says how sure it must be"
 REMOVED = {  # with the values that they had, and why there is no need of them
     "disparity.disparity_range": (128, f"it follows from the camera's height and the image; {SMALLER}"),
     "disparity.downscale": (2, f"it follows from the camera's height and the image; {SMALLER}"),
     "road_profile.roll": ("true", "the cross slope is always measured, but by road_profile.model quadratic"),
     "road_profile.residual_threshold": (1.0, "it follows from what the matcher resolves"),
+    "lane_selection.contrast_min": (0.1, JUDGED),
+    "lane_selection.roughness_max": (0.2, JUDGED),
+    "lane_selection.score_alone": (3.0, JUDGED),
+    "lane_selection.score_min": (1.9, JUDGED),
+    "lane_selection.slope_max": (0.14, JUDGED),
+    "lane_selection.start_max": (22.0, JUDGED),
+    "lane_selection.texture_max": (0.2, JUDGED),
 }
 
 
