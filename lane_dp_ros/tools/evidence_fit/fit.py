@@ -48,7 +48,7 @@ class _Class:
     def design(self, values: Mapping[str, Floats], rendered: bool) -> Floats:
         """Return what each coefficient counts in each candidate, (N, size).
 
-        The last one is for `rendered` scenes alone: how often they show such lines says nothing of real roads.
+        The last one is for `rendered` scenes alone: how often they show lines says nothing of real roads.
         """
         count = len(next(iter(values.values())))
         parts = [np.ones((count, 1)), *(each.segments(values[name]) for name, each in self.curves.items())]
