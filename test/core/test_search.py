@@ -208,7 +208,6 @@ def test_of_a_line_that_leads_astray_the_nearer_half_is_kept(one_line, paint):
     assert [half.refusal for half in halves] == [""]
 
 
-@pytest.mark.xfail(strict=True, reason="the model has no term for the paint that a line passes beside")
 def test_of_a_line_that_strays_from_its_paint_the_nearer_half_is_kept(one_line):
     """Something else begins 0.5 m aside where it ends: no smooth curve lies on both."""
     found = one_line(lambda z: 1.7 + 0.5 * (z > 20))

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.core.birdseye.edge_map import edge_map
+from lane_dp_ros.core.lanes.candidate import LanePath
 from lane_dp_ros.core.lanes.edge_lines import EdgeLineSearch
 from lane_dp_ros.core.lanes.evidence import measure_border
-from lane_dp_ros.core.lanes.path_search import PathSearchConfig
+from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
+from lane_dp_ros.core.lanes.path_search import FreeEndSearch, PathSearchConfig
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -62,6 +64,14 @@ def test_a_short_step_is_no_border(painted_road):
     road = painted_road()
     road.height[(np.abs(road.s - 12) < 0.8)[:, None] & (road.n > 3)] = 0.1
     assert lines_of(road)[2] == []
+
+
+@pytest.mark.parametrize(("rows", "found"), [(2 * MIN_ROWS, True), (MIN_ROWS - 1, False)])
+def test_a_border_has_as_many_rows_as_a_fit_needs(painted_road, monkeypatch, rows, found):
+    """However sure each of them is."""
+    path = LanePath(np.arange(19, 19 - rows, -1), np.full(rows, 39.0), 9.0)
+    monkeypatch.setattr(FreeEndSearch, "find", lambda *_: [path])
+    assert bool(lines_of(kerb(painted_road(), lambda s: 0 * s + 3.0))[2]) == found
 
 
 def test_the_evidence_of_a_border_is_the_step_behind_it(painted_road):

@@ -60,11 +60,11 @@ def test_log_odds_are_the_start_and_what_each_measurement_adds():
     model = parsed_model(CONTENT)
     evidence = LaneEvidence(length=10.0, start=4.0, slope=0.0, score=4.0)
     assert model.parts("paint", evidence) == {"score": 0.0}
-    assert model.log_odds("paint", evidence) == -1.0
-    assert model.log_odds("edge", evidence) == -1.5
+    assert model.log_odds("paint", [evidence])[0] == -1.0
+    assert model.log_odds("edge", [evidence])[0] == -1.5
     unknown = LaneEvidence(length=25.0, start=4.0, slope=0.0)
-    assert model.log_odds("paint", unknown) == -1.5
-    assert model.log_odds("edge", unknown) == -0.5
+    assert model.log_odds("paint", [unknown])[0] == -1.5
+    assert model.log_odds("edge", [unknown])[0] == -0.5
 
 
 def test_the_shipped_model_speaks_for_paint_and_against_grass():
@@ -73,8 +73,8 @@ def test_the_shipped_model_speaks_for_paint_and_against_grass():
     paint |= {"contrast": 0.6, "saturation_contrast": 0.5, "relative_contrast": 1.0, "brightness": 0.6}
     good = LaneEvidence(**paint, texture=0.03, height=0.0, kerb_step=0.0)
     grass = LaneEvidence(**{**paint, "contrast": 0.1, "relative_contrast": 0.2, "score": 1.0}, texture=0.3)
-    assert model.log_odds("paint", good) > 2
-    assert model.log_odds("paint", grass) < -2
+    assert model.log_odds("paint", [good])[0] > 2
+    assert model.log_odds("paint", [grass])[0] < -2
     assert set(model.terms) == set(CLASSES)
 
 

@@ -40,12 +40,13 @@ CAPS = [
 
 def scored(evidence, variant="path", config=None):
     scoring = SCORING if config is None else EvidenceScoring(config)
-    return scoring.scored(Candidate(LINE, evidence, variant))
+    (found,) = scoring.scored([Candidate(LINE, evidence, variant)])
+    return found
 
 
 def test_the_log_odds_are_those_of_the_model():
     candidate = scored(GOOD)
-    assert candidate.log_odds == (SCORING.model.log_odds("paint", GOOD), SCORING.model.log_odds("edge", GOOD))
+    assert candidate.log_odds == tuple(SCORING.model.log_odds(kind, [GOOD])[0] for kind in ("paint", "edge"))
     assert candidate.refusal == ""
     assert (candidate.line, candidate.evidence, candidate.variant) == (LINE, GOOD, "path")
 
@@ -114,18 +115,18 @@ def test_each_measurement_speaks_as_it_physically_does(name, better, worse):
 
 def test_the_height_is_needed_of_what_it_can_still_make_a_line():
     """Whatever height it has been given before."""
-    assert SCORING.needs_height(GOOD)
-    assert SCORING.needs_height(replace(GOOD, height=0.3, kerb_step=0.3))
+    assert SCORING.needs_height([GOOD])[0]
+    assert SCORING.needs_height([replace(GOOD, height=0.3, kerb_step=0.3)])[0]
     hopeless = replace(GOOD, contrast=0.0, saturation_contrast=0.0, relative_contrast=0.0, texture=0.3)
-    assert not SCORING.needs_height(replace(hopeless, score=-1.0, paint_width=0.02))
+    assert not SCORING.needs_height([replace(hopeless, score=-1.0, paint_width=0.02)])[0]
 
 
 def test_the_course_does_not_count_for_what_a_line_is_but_for_its_course():
     astray = replace(GOOD, slope=0.4, off_paint_fraction=0.6)
-    assert SCORING.but_for_course(astray) == SCORING.but_for_course(GOOD)
-    assert SCORING.model.log_odds("paint", astray) < SCORING.model.log_odds("paint", GOOD)
-    assert SCORING.but_for_course(replace(astray, texture=0.3)) < SCORING.but_for_course(astray)
-    assert SCORING.but_for_course(replace(astray, height=0.1)) < SCORING.but_for_course(astray)
+    assert SCORING.but_for_course([astray])[0] == SCORING.but_for_course([GOOD])[0]
+    assert SCORING.model.log_odds("paint", [astray])[0] < SCORING.model.log_odds("paint", [GOOD])[0]
+    assert SCORING.but_for_course([replace(astray, texture=0.3)])[0] < SCORING.but_for_course([astray])[0]
+    assert SCORING.but_for_course([replace(astray, height=0.1)])[0] < SCORING.but_for_course([astray])[0]
 
 
 def test_candidates_are_selected_in_the_light_of_all_others():

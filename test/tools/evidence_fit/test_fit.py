@@ -103,7 +103,7 @@ def test_the_model_tells_new_frames_right(model):
     right = []
     for _ in range(50):
         paint, clutter = evidence(rng, PAINT), evidence(rng, CLUTTER)
-        right.append(model.log_odds("paint", paint) > model.log_odds("paint", clutter))
+        right.append(model.log_odds("paint", [paint])[0] > model.log_odds("paint", [clutter])[0])
     assert np.mean(right) > 0.9
 
 
@@ -113,7 +113,7 @@ def test_a_fitted_model_goes_through_its_file(model):
     for what in (PAINT, EDGE, CLUTTER):
         measured = evidence(rng, what)
         for kind in CLASSES:
-            assert again.log_odds(kind, measured) == pytest.approx(model.log_odds(kind, measured), abs=0.02)
+            assert again.log_odds(kind, [measured]) == pytest.approx(model.log_odds(kind, [measured]), abs=0.02)
 
 
 def test_the_gradient_is_that_of_the_loss(fit):
@@ -146,7 +146,7 @@ def test_how_often_rendered_scenes_show_lines_is_kept_apart():
     coefficients[fit._classes[0].size - 1] = 5.0
     measured = evidence(rng, PAINT)
     without, with_it = (fit.model(each, {}) for each in (np.zeros(size), coefficients))
-    assert with_it.log_odds("paint", measured) == without.log_odds("paint", measured)
+    assert with_it.log_odds("paint", [measured]) == without.log_odds("paint", [measured])
     assert fit._loss(coefficients)[0] != pytest.approx(fit._loss(np.zeros(size))[0])
 
 
