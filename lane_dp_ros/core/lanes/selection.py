@@ -80,16 +80,26 @@ def select(
         kind if kind == NONE or probable[i, kind] >= config.confidence_min else NONE
         for i, kind in enumerate(classes)
     ]
-    judged = {i: _judged(candidates[i], *of) for i, *of in zip(hopeful, classes, probable, strict=True)}
+    lanes = np.array([kind == PAINT for kind in classes], bool)
+    twins = (neighbours.one_line & lanes).any(axis=1)
+    judged = {
+        i: _judged(candidates[i], *of) for i, *of in zip(hopeful, classes, probable, twins, strict=True)
+    }
     return [
         judged[i] if i in judged else replace(each, probability=(0.0, 0.0), refusal=_reason(each, 0.0))
         for i, each in enumerate(candidates)
     ]
 
 
-def _judged(candidate: Candidate, kind: int, probability: Floats) -> Candidate:
+def _judged(candidate: Candidate, kind: int, probability: Floats, twin: bool) -> Candidate:
+    """Return a candidate of a class; a `twin` lies where a lane line does."""
     paint, edge = (float(each) for each in probability)
-    refusal = "" if kind == PAINT else "a road edge" if kind == EDGE else _reason(candidate, paint)
+    if kind == PAINT:
+        refusal = ""
+    elif kind == EDGE:
+        refusal = "a road edge"
+    else:
+        refusal = "a line found twice" if twin and not candidate.refusal else _reason(candidate, paint)
     return replace(candidate, probability=(paint, edge), refusal=refusal, is_edge=kind == EDGE)
 
 

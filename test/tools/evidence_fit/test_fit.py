@@ -113,7 +113,9 @@ def test_a_fitted_model_goes_through_its_file(model):
     for what in (PAINT, EDGE, CLUTTER):
         measured = evidence(rng, what)
         for kind in CLASSES:
-            assert again.log_odds(kind, [measured]) == pytest.approx(model.log_odds(kind, [measured]), abs=0.02)
+            assert again.log_odds(kind, [measured]) == pytest.approx(
+                model.log_odds(kind, [measured]), abs=0.02
+            )
 
 
 def test_the_gradient_is_that_of_the_loss(fit):
