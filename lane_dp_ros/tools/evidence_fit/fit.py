@@ -8,7 +8,7 @@ What is maximised is the likelihood of the labels under the model that the detec
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -114,10 +114,7 @@ class EvidenceFit:
 
     def fit(self, start: Floats | None = None) -> Floats:
         """Return the coefficients (K,) of the best model; the search begins at `start`."""
-        try:
-            from scipy.optimize import minimize
-        except ImportError:
-            raise CommandError("the fit needs scipy: pip install scipy") from None
+        minimize = minimiser()
         sizes = [each.size for each in self._classes]
         begin = np.zeros(sum(sizes) + sum(self._knots)) if start is None else start
         bounds = [bound for each in self._classes for bound in each.bounds()]
@@ -215,6 +212,15 @@ class EvidenceFit:
                 slope[k : k + len(bends)] += PAIR_SMOOTHNESS * weight * bends
             slopes.append(slope)
         return total, np.concatenate(slopes)
+
+
+def minimiser() -> Callable[..., Any]:
+    """Return scipy's `minimize`. Raises CommandError where scipy is not installed."""
+    try:
+        from scipy.optimize import minimize
+    except ImportError:
+        raise CommandError("the fit needs scipy: pip install scipy") from None
+    return minimize  # type: ignore[no-any-return]
 
 
 def hats(values: Floats, knots: Sequence[float]) -> Floats:
