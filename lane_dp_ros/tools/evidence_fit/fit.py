@@ -29,6 +29,7 @@ PAIR_RIDGE, PAIR_SMOOTHNESS = 0.3, 1.0  # on the terms of pairs, and on their be
 # A border makes no paint: roads without any have borders, too.
 NEVER_SPEAKS_FOR = ("paint_before_edge", "paint_behind_edge", "paint_across_edge")
 MAX_ITERATIONS = 200
+TOLERANCE = 1e-5  # of the loss; steps that better it by less end the search
 GROUP = 100  # examples that are worked out at once
 
 
@@ -121,7 +122,12 @@ class EvidenceFit:
         for name, knots in zip(PAIRS, self._knots, strict=True):
             bounds += [(None, 0.0 if name in NEVER_SPEAKS_FOR else None)] * knots
         found = minimize(
-            self._loss, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": MAX_ITERATIONS}
+            self._loss,
+            begin,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=bounds,
+            options={"maxiter": MAX_ITERATIONS, "ftol": TOLERANCE},
         )
         return np.asarray(found.x)
 
