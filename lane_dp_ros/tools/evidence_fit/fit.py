@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.dp.ordered_choice import NEVER, Marginals, at_least_one, marginals
 from lane_dp_ros.core.lanes.evidence_model import CLASSES, PAIRS, EvidenceModel, Term
-from lane_dp_ros.core.lanes.neighbours import relations
+from lane_dp_ros.core.lanes.neighbours import PAINT, relations
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.evidence_fit.curves import GAPS, OVERLAPS, SIGNS, Curve, curve
 from lane_dp_ros.tools.evidence_fit.examples import CLUTTER, Example, evidence_values
@@ -83,8 +83,10 @@ class _Group:
 
     design: tuple[Floats, ...]
     """(examples, things, coefficients) of each class."""
+    can_be: NDArray[np.bool_]
+    """(examples, things, classes): what the detector could take each for; no border without paint for paint."""
     possible: NDArray[np.bool_]
-    """(examples, things, classes): what each may be."""
+    """(examples, things, classes): what each may be by its labels."""
     skipping: Floats
     """(examples, things + 2, things + 2): one of those that match a label is chosen."""
     pairs: Floats
@@ -157,6 +159,7 @@ class EvidenceFit:
         design = tuple(np.zeros((len(examples), count, size)) for size in sizes)
         may_be = np.zeros((len(examples), count, 3), bool)
         may_be[:, :, CLUTTER] = True
+        can_be = np.zeros((len(examples), count, CLUTTER), bool)
         pairs = np.zeros((len(examples), count, count, len(GAPS)))
         overlap = np.zeros((len(examples), count, count, len(OVERLAPS)))
         left = np.zeros((len(examples), count), bool)
@@ -169,12 +172,15 @@ class EvidenceFit:
                     {name: evidence_values([each], name) for name in names}, each.rendered
                 )
             may_be[i, :n] = each.may_be
+            can_be[i, :n] = True
+            can_be[i, :n, PAINT] = np.isfinite(evidence_values([each], "score"))
             pairs[i, :n, :n] = hats(each.neighbours.gap, GAPS)
             overlap[i, :n, :n] = hats(each.neighbours.overlap, OVERLAPS)
             left[i, :n] = each.neighbours.left
             skipping[i] = at_least_one(each.found, count)
         where = {name: np.stack([relations(row)[name] for row in left]) for name in PAIRS}
-        return _Group(design, may_be[..., :CLUTTER], skipping, pairs, overlap, where, np.array(weights))
+        possible = may_be[..., :CLUTTER]
+        return _Group(design, can_be, possible, skipping, pairs, overlap, where, np.array(weights))
 
     def _loss(self, coefficients: Floats) -> tuple[float, Floats]:
         """Return the negative logarithm of the likelihood, with the ridge, and its gradient."""
@@ -182,7 +188,7 @@ class EvidenceFit:
         loss, gradient = 0.0, np.zeros_like(coefficients)
         for group in self._groups:
             worth = np.stack([A @ b for A, b in zip(group.design, of_classes, strict=True)], axis=-1)
-            worth = np.where(_are_things(group)[..., None], worth, NEVER)
+            worth = np.where(group.can_be, worth, NEVER)
             together = sum(
                 group.relations[name] * (_basis(group, name) @ own)[..., None, None]
                 for name, own in zip(PAIRS, of_pairs, strict=True)
@@ -243,11 +249,6 @@ def hats(values: Floats, knots: Sequence[float]) -> Floats:
 
 def _basis(group: _Group, name: str) -> Floats:
     return group.overlap if name == "paint_on_paint" else group.pairs
-
-
-def _are_things(group: _Group) -> NDArray[np.bool_]:
-    """Return which places (examples, things) hold a candidate: its design has a start."""
-    return np.asarray(group.design[0][..., 0] > 0)
 
 
 def _curves_of(kind: str, examples: Sequence[Example]) -> _Class:
