@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from lane_dp_ros.tools.evidence_fit.collecting import FrameSource, KnownPair
 
 RENDERED = 600  # scenes, unless another number is asked for
-EPILOG = """Prints how the detector fares with the model on all frames, and with others on the drives and the categories of
-scenes that they were not fitted to. Parameter lane_selection.evidence_model selects the file. Wants scipy."""
+EPILOG = """\
+Prints how the detector fares with the model on all frames, and with others on the drives and the categories
+of scenes that they were not fitted to. Parameter lane_selection.evidence_model selects the file. Wants scipy."""
 
 
 def add_command(commands: argparse._SubParsersAction) -> None:

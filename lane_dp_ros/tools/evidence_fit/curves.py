@@ -113,7 +113,7 @@ def curve(sign: Sign, values: Floats) -> Curve:
     if len(knots) < 2:
         knots = knots[0] + np.arange(2.0)
     middle = (knots[1:] + knots[:-1]) / 2
-    up = np.full(len(middle), _up(sign))
+    up: NDArray[Any] = np.full(len(middle), _up(sign))
     if sign.shape in ("peak", "valley"):
         up = np.where(middle > sign.turn, -up, up)
     against = up[0] > 0, up[-1] < 0

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from lane_dp_ros.core.lanes.evidence_model import EvidenceModel
 from lane_dp_ros.messages.errors import CommandError
@@ -23,6 +23,14 @@ from lane_dp_ros.tools.evidence_fit.model_file import model_text
 from lane_dp_ros.tools.evidence_fit.report import Figures, as_json, table
 
 ON_ALL, DRIVE_LEFT_OUT, CATEGORY_LEFT_OUT = "fitted on all", "drive left out", "category left out"
+
+
+class _Judged(NamedTuple):
+    """A frame's drive or category, and its verdicts by a model that saw it and by one that did not."""
+
+    name: str
+    seen: FrameScore
+    unseen: FrameScore
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,23 +108,30 @@ def _figures(
     collected: Sequence[Collected], scores: Sequence[tuple[FrameScore, ...]]
 ) -> dict[str, dict[str, Figures]]:
     """Return the figures: all frames of the data and all scenes, then by drive, then by category."""
-    real = [(each.drive, *of) for each, of in zip(collected, scores, strict=True) if each.drive != SCENES]
-    scenes = [
-        (each.category.split(SEPARATOR)[0], *of)
-        for each, of in zip(collected, scores, strict=True)
-        if each.drive == SCENES
-    ]
-    total = {f"data, {ON_ALL}": Figures.of([seen for _, seen, _ in real])}
-    total[f"data, {DRIVE_LEFT_OUT}"] = Figures.of([unseen for _, _, unseen in real])
+    real: list[_Judged] = []
+    scenes: list[_Judged] = []
+    for each, (seen, unseen) in zip(collected, scores, strict=True):
+        if each.drive == SCENES:
+            scenes.append(_Judged(each.category.split(SEPARATOR)[0], seen, unseen))
+        else:
+            real.append(_Judged(each.drive, seen, unseen))
+    figures = {"total": _totals("data", DRIVE_LEFT_OUT, real), DRIVE_LEFT_OUT: _by_name(real)}
     if scenes:
-        total[f"scenes, {ON_ALL}"] = Figures.of([seen for _, seen, _ in scenes])
-        total[f"scenes, {CATEGORY_LEFT_OUT}"] = Figures.of([unseen for _, _, unseen in scenes])
-    return {"total": total, DRIVE_LEFT_OUT: _by_name(real), **({CATEGORY_LEFT_OUT: _by_name(scenes)} if scenes else {})}
+        figures["total"] |= _totals("scenes", CATEGORY_LEFT_OUT, scenes)
+        figures[CATEGORY_LEFT_OUT] = _by_name(scenes)
+    return figures
 
 
-def _by_name(scores: Sequence[tuple[str, FrameScore, FrameScore]]) -> dict[str, Figures]:
-    names = sorted({name for name, *_ in scores})
-    return {name: Figures.of([unseen for each, _, unseen in scores if each == name]) for name in names}
+def _totals(what: str, left_out: str, scores: Sequence[_Judged]) -> dict[str, Figures]:
+    return {
+        f"{what}, {ON_ALL}": Figures.of([each.seen for each in scores]),
+        f"{what}, {left_out}": Figures.of([each.unseen for each in scores]),
+    }
+
+
+def _by_name(scores: Sequence[_Judged]) -> dict[str, Figures]:
+    names = sorted({each.name for each in scores})
+    return {name: Figures.of([each.unseen for each in scores if each.name == name]) for name in names}
 
 
 def _counts(collected: Sequence[Collected]) -> dict[str, Any]:

@@ -29,7 +29,8 @@ class Example:
     """A frame's candidates from left to right, how they lie to one another, and what each may be.
 
     `may_be` (N, 3) tells for each of PAINT, EDGE and CLUTTER whether the labels allow it; all of a candidate
-    that nobody can judge. Of each of the `found`, the candidates that match one label, one is the line. `drive` and `category` tell where the frame is from.
+    that nobody can judge. Of each of the `found`, the candidates that match one label, one is the line.
+    `drive` and `category` tell where the frame is from.
     """
 
     name: str

@@ -49,7 +49,7 @@ class _Class:
     def design(self, values: Mapping[str, Floats], rendered: bool) -> Floats:
         """Return what each coefficient counts in each candidate, (N, size).
 
-        The last one is for `rendered` scenes alone: how often they show such lines says nothing of real roads.
+        The last one is for `rendered` scenes alone: how often they show such lines tells nothing of others.
         """
         count = len(next(iter(values.values())))
         parts = [np.ones((count, 1)), *(each.segments(values[name]) for name, each in self.curves.items())]
@@ -84,7 +84,7 @@ class _Group:
     design: tuple[Floats, ...]
     """(examples, things, coefficients) of each class."""
     can_be: NDArray[np.bool_]
-    """(examples, things, classes): what the detector could take each for; no border without paint for paint."""
+    """(examples, things, classes): what the detector could take each for; no border for paint."""
     possible: NDArray[np.bool_]
     """(examples, things, classes): what each may be by its labels."""
     skipping: Floats

@@ -47,9 +47,7 @@ def folds(collected: Sequence[Collected]) -> tuple[list[Fold], list[Fold]]:
     of_drives = _drive_folds(collected, real)
     if not scenes and len(of_drives) == 1:
         drive = collected[real[0]].drive
-        raise CommandError(
-            f"all frames are of the drive {drive!r}: label another one, too, or add --scenes"
-        )
+        raise CommandError(f"all frames are of the drive {drive!r}: label another one, too, or add --scenes")
     return of_drives, _category_folds(collected, scenes)
 
 
@@ -63,9 +61,7 @@ def fit_all(
     return first, others
 
 
-def judged(
-    tasks: Sequence[tuple[FrameSource, tuple[Path, ...]]], jobs: int
-) -> list[tuple[FrameScore, ...]]:
+def judged(tasks: Sequence[tuple[FrameSource, tuple[Path, ...]]], jobs: int) -> list[tuple[FrameScore, ...]]:
     """Return the verdicts on each frame, detected by itself with the model of each file in turn."""
     with parallel_map(_verdicts, tasks, jobs) as found:
         return [scores for _, scores in progress(found, len(tasks), "frame")]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of a fit: how its model fares on the frames that it saw, and others on what they did not see."""
+"""The figures of a fit: how its model fares on what it saw, and others on what they did not see."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ HEADS = (
 class Figures:
     """The numbers of a set of judged frames, see docs/evaluation.md; None where there is nothing to count.
 
-    `unpainted_false_lanes` were found in the `unpainted_frames`. The calibration errors are the expected ones of
-    lane lines and of road edges.
+    `unpainted_false_lanes` were found in the `unpainted_frames`. The calibration errors are the expected ones
+    of lane lines and of road edges.
     """
 
     frames: int
@@ -74,7 +74,7 @@ def as_json(figures: Mapping[str, Figures]) -> dict[str, dict[str, float | None]
 
 
 def table(title: str, figures: Mapping[str, Figures]) -> str:
-    """Return a table of figures, a line for each set of frames; "-" stands where there is nothing to count."""
+    """Return a table of figures, a line for each set of frames; "-" where there is nothing to count."""
     rows = [[name, *(_cell(getattr(each, f.name)) for f in fields(each))] for name, each in figures.items()]
     rows = [["", *(top for top, _ in HEADS)], [title, *(bottom for _, bottom in HEADS)], *rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

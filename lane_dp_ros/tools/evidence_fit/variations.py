@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 class Pair(Protocol):
-    """What is varied: a dataclass with a grey frame, its camera, and its labels, None where there are none."""
+    """What is varied: a dataclass with a grey frame, its camera, and its labels, if any."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 

@@ -20,7 +20,9 @@ PAINT_ONLY, NO_PAINT = (True, False, False), (False, False, True)
 
 def model(paint: float = 0.0) -> EvidenceModel:
     """A model that knows nothing but how frequent paint is."""
-    return EvidenceModel({"paint": paint, "edge": -50.0}, {"paint": {}, "edge": {}}, dict.fromkeys(PAIRS, FLAT), {})
+    return EvidenceModel(
+        {"paint": paint, "edge": -50.0}, {"paint": {}, "edge": {}}, dict.fromkeys(PAIRS, FLAT), {}
+    )
 
 
 def frame(*may_be: tuple[bool, bool, bool]) -> Example:
