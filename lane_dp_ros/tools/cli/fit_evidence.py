@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 RENDERED = 600  # scenes, unless another number is asked for
 EPILOG = """\
 Prints how the detector fares with the model on all frames, and with others on the drives and the categories
-of scenes that they were not fitted to. Parameter lane_selection.evidence_model selects the file. Wants scipy."""
+of scenes that they were not fitted to. The parameter lane_selection.evidence_model selects the file. scipy
+must be installed."""
 
 
 def add_command(commands: argparse._SubParsersAction) -> None:
