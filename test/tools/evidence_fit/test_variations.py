@@ -28,7 +28,7 @@ def pair(scene_pairs) -> KnownPair:
 )
 def test_the_lines_are_found_where_the_labels_are(pair, vary):
     view = vary(pair)
-    verdict = judge(view.truth, LaneDetector(view.camera).detect(view.frame).lanes, view.camera)
+    verdict = judge(view.truth, LaneDetector(view.camera).detect(view.frame).lanes, view.truth.camera)
     assert verdict.name == view.name != pair.name
     assert len(verdict.found) == len(verdict.labels) == 3
     assert not verdict.false_lines
