@@ -31,7 +31,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "ros": ("ros",),
     "tools": (
         *("tools.progress", "tools.parallel", "tools.parameter_file", "tools.datasets", "tools.offline"),
-        *("tools.evaluation", "tools.report", "tools.demo", "tools.cli"),
+        *("tools.evaluation", "tools.evidence_fit", "tools.report", "tools.demo", "tools.cli"),
     ),
     "leaves": ("scenes", "review"),
 }
