@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import tempfile
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -50,6 +51,7 @@ def run(arguments: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory() as folder:
         sources = _sources(arguments, Path(folder))
         fitted = fitted_evidence(sources, arguments.jobs)
+    fitted = replace(fitted, data={**fitted.data, "seed": arguments.seed})
     print(fitted.tables)
     write_model(fitted, arguments.output)
     print(f"\n{arguments.output}: fitted to {len(sources)} frames")

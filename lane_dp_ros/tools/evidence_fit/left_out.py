@@ -110,4 +110,4 @@ def _verdict(pair: KnownPair, drive: str, model: Path) -> FrameScore:
     found = LaneDetector(pair.camera, config).detect(pair.frame)
     if pair.truth is None:
         return judge_unpainted(pair.name, found.lanes, drive, 0)
-    return judge(pair.truth, found.lanes, pair.camera, road_edges=found.road_edges)
+    return judge(pair.truth, found.lanes, pair.truth.camera, road_edges=found.road_edges)

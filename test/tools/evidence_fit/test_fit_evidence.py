@@ -49,12 +49,12 @@ def error_of(capsys: pytest.CaptureFixture, *arguments: object) -> str:
 
 def test_a_model_is_fitted_written_and_selected_by_the_parameter(scenes, tmp_path, capsys):
     file = tmp_path / "model.json"
-    arguments = ["fit-evidence", str(scenes), "--scenes", "2", "--jobs", "1", "-o", str(file)]
+    arguments = ["fit-evidence", str(scenes), "--scenes", "2", "--seed", "7", "--jobs", "1", "-o", str(file)]
     assert main(arguments) == 0
     printed = capsys.readouterr().out
     content = json.loads(file.read_text())
     assert content["data"]["frames"] == {"kerbs": 2, "straight": 2}
-    assert content["data"]["scenes"] == 2
+    assert (content["data"]["scenes"], content["data"]["seed"]) == (2, 7)
     assert set(content["figures"]) == {"total", "drive left out", "category left out"}
     for row in ("data, fitted on all", "data, drive left out", "scenes, category left out"):
         assert row in printed
