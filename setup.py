@@ -45,6 +45,7 @@ setup(
             "scipy",
             "selenium",
         ],
+        "fit": ["scipy"],
         "bench": ["matplotlib", "scikit-image", "scipy"],
         "lint": ["import-linter==2.11", "mypy==2.4.1", "ruff==0.17.6"],
     },

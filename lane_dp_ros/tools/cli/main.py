@@ -13,9 +13,21 @@ from importlib import metadata
 from types import FrameType
 
 from lane_dp_ros.messages.errors import CommandError, one_line
-from lane_dp_ros.tools.cli import convert, demo, dump_config, evaluate, play, review, run, scenes, tables
+from lane_dp_ros.tools.cli import (
+    convert,
+    demo,
+    dump_config,
+    evaluate,
+    fit_evidence,
+    play,
+    review,
+    run,
+    scenes,
+    tables,
+)
 
-COMMANDS = (demo, play, run, convert, evaluate, review, tables, scenes, dump_config)  # in the order of --help
+# In the order of --help.
+COMMANDS = (demo, play, run, convert, evaluate, review, tables, scenes, fit_evidence, dump_config)
 KNOWN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143  # exit codes; the last two as the shell has them
 
 

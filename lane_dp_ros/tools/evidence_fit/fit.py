@@ -8,7 +8,7 @@ What is maximised is the likelihood of the labels under the model that the detec
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +29,7 @@ PAIR_RIDGE, PAIR_SMOOTHNESS = 0.3, 1.0  # on the terms of pairs, and on their be
 # A border makes no paint: roads without any have borders, too.
 NEVER_SPEAKS_FOR = ("paint_before_edge", "paint_behind_edge", "paint_across_edge")
 MAX_ITERATIONS = 200
+TOLERANCE = 1e-5  # of the loss; steps that better it by less end the search
 GROUP = 100  # examples that are worked out at once
 
 
@@ -82,8 +83,10 @@ class _Group:
 
     design: tuple[Floats, ...]
     """(examples, things, coefficients) of each class."""
+    can_be: NDArray[np.bool_]
+    """(examples, things, classes): what the detector could take each for; no border for paint."""
     possible: NDArray[np.bool_]
-    """(examples, things, classes): what each may be."""
+    """(examples, things, classes): what each may be by its labels."""
     skipping: Floats
     """(examples, things + 2, things + 2): one of those that match a label is chosen."""
     pairs: Floats
@@ -116,17 +119,19 @@ class EvidenceFit:
 
     def fit(self, start: Floats | None = None) -> Floats:
         """Return the coefficients (K,) of the best model; the search begins at `start`."""
-        try:
-            from scipy.optimize import minimize
-        except ImportError:
-            raise CommandError("the fit needs scipy: pip install scipy") from None
+        minimize = minimiser()
         sizes = [each.size for each in self._classes]
         begin = np.zeros(sum(sizes) + sum(self._knots)) if start is None else start
         bounds = [bound for each in self._classes for bound in each.bounds()]
         for name, knots in zip(PAIRS, self._knots, strict=True):
             bounds += [(None, 0.0 if name in NEVER_SPEAKS_FOR else None)] * knots
         found = minimize(
-            self._loss, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": MAX_ITERATIONS}
+            self._loss,
+            begin,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=bounds,
+            options={"maxiter": MAX_ITERATIONS, "ftol": TOLERANCE},
         )
         return np.asarray(found.x)
 
@@ -156,6 +161,7 @@ class EvidenceFit:
         design = tuple(np.zeros((len(examples), count, size)) for size in sizes)
         may_be = np.zeros((len(examples), count, 3), bool)
         may_be[:, :, CLUTTER] = True
+        can_be = np.zeros((len(examples), count, CLUTTER), bool)
         pairs = np.zeros((len(examples), count, count, len(GAPS)))
         overlap = np.zeros((len(examples), count, count, len(OVERLAPS)))
         left = np.zeros((len(examples), count), bool)
@@ -169,15 +175,16 @@ class EvidenceFit:
                     {name: evidence_values([each], name) for name in names}, each.rendered
                 )
             may_be[i, :n] = each.may_be
+            can_be[i, :n] = True
+            can_be[i, :n, PAINT] = np.isfinite(evidence_values([each], "score"))
             pairs[i, :n, :n] = hats(each.neighbours.gap, GAPS)
             overlap[i, :n, :n] = hats(each.neighbours.overlap, OVERLAPS)
             left[i, :n] = each.neighbours.left
             one_paint[i, :n, :n] = each.neighbours.one_paint
             skipping[i] = at_least_one(each.found, count)
         where = {name: np.stack([relations(row)[name] for row in left]) for name in PAIRS}
-        return _Group(
-            design, may_be[..., :CLUTTER], skipping, pairs, overlap, one_paint, where, np.array(weights)
-        )
+        possible = may_be[..., :CLUTTER]
+        return _Group(design, can_be, possible, skipping, pairs, overlap, one_paint, where, np.array(weights))
 
     def _loss(self, coefficients: Floats) -> tuple[float, Floats]:
         """Return the negative logarithm of the likelihood, with the ridge, and its gradient."""
@@ -185,7 +192,7 @@ class EvidenceFit:
         loss, gradient = 0.0, np.zeros_like(coefficients)
         for group in self._groups:
             worth = np.stack([A @ b for A, b in zip(group.design, of_classes, strict=True)], axis=-1)
-            worth = np.where(_are_things(group)[..., None], worth, NEVER)
+            worth = np.where(group.can_be, worth, NEVER)
             together = sum(
                 group.relations[name] * (_basis(group, name) @ own)[..., None, None]
                 for name, own in zip(PAIRS, of_pairs, strict=True)
@@ -224,6 +231,15 @@ class EvidenceFit:
         return total, np.concatenate(slopes)
 
 
+def minimiser() -> Callable[..., Any]:
+    """Return scipy's `minimize`. Raises CommandError where scipy is not installed."""
+    try:
+        from scipy.optimize import minimize
+    except ImportError:
+        raise CommandError("the fit needs scipy: pip install scipy") from None
+    return minimize  # type: ignore[no-any-return]
+
+
 def hats(values: Floats, knots: Sequence[float]) -> Floats:
     """Return how much each knot counts in a straight line between knots at values (...,), (..., knots)."""
     at = np.asarray(knots)
@@ -238,11 +254,6 @@ def hats(values: Floats, knots: Sequence[float]) -> Floats:
 
 def _basis(group: _Group, name: str) -> Floats:
     return group.overlap if name == "paint_on_paint" else group.pairs
-
-
-def _are_things(group: _Group) -> NDArray[np.bool_]:
-    """Return which places (examples, things) hold a candidate: its design has a start."""
-    return np.asarray(group.design[0][..., 0] > 0)
 
 
 def _curves_of(kind: str, examples: Sequence[Example]) -> _Class:
