@@ -101,9 +101,9 @@ def by_themselves(neighbours: Neighbours, *_: object) -> np.ndarray[Any, Any]:
     return np.zeros((*neighbours.gap.shape, len(CLASSES), len(CLASSES)))
 
 
-def by_metres(_: EvidenceScoring, candidate: Candidate) -> Candidate:
+def by_metres(_: EvidenceScoring, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Take for paint what has some metres of it, and nothing for a border."""
-    return replace(candidate, log_odds=(candidate.score - METRES, -np.inf))
+    return [replace(each, log_odds=(each.score - METRES, -np.inf)) for each in candidates]
 
 
 def highest(*names: str) -> dict[str, Value]:
