@@ -91,7 +91,6 @@ def test_the_sparse_border_of_the_own_lane_is_found():
         assert lateral_errors(road, lane, truth).mean() < 0.02
 
 
-@pytest.mark.xfail(strict=True, reason="delineator posts, drawn out in the view from above, pass for lines")
 def test_posts_beside_a_sparse_border_are_no_lines():
     road = Road(swing=0, lane_widths=(3.5,), lines=(SOLID, Line("dashed", dash=1.6, gap=9.0)), driven=0)
     pair = render_pair(road, position=13.0, seed=5)

@@ -123,9 +123,6 @@ def test_shade_along_a_line_hides_none_and_makes_none(border):
     assert_found_where_painted(SHADED, pair, replace(found, lanes=tuple(on_asphalt)))
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a delineator post, drawn out in the view from above, passes for a line"
-)
 def test_a_post_on_the_verge_is_no_line():
     pair, found = in_shade(-0.4)
     assert len(found.lanes) == len(pair.lanes)

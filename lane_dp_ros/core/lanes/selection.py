@@ -54,6 +54,13 @@ class LaneSelectionConfig(Parameters):
         expert=True,
     )
 
+    slope_max: float = parameter(
+        0.14,
+        "Steepest lateral over forward of a line whose height is not known.",
+        limits=(0.01, 1.0),
+        expert=True,
+    )
+
     def __post_init__(self) -> None:
         super().__post_init__()
         evidence_model(self.evidence_model)
