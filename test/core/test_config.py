@@ -14,7 +14,7 @@ ALL = parameters(DetectorConfig())
 # What an expert or a fit should touch only; ROS tools do not list them.
 EXPERT = {
     "path_search": ("slope_max", "slope_cost", "bend_cost", "separation_min", "passes"),
-    "lane_selection": ("paint_width_max", "wide_band_ratio_max", "height_max", "slope_max"),
+    "lane_selection": ("paint_width_max", "wide_band_ratio_max", "height_max", "unknown_height_slope_max"),
     "extension": ("gap_max", "turn_max"),
     "parallel": (
         "contrast_min",

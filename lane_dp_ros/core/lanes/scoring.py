@@ -57,11 +57,12 @@ class EvidenceScoring:
         evidence, config = candidate.evidence, self.config
         if candidate.variant == "border":
             return "a border without paint"
+        # What stands on the road is drawn out obliquely in the view from above.
+        steep = evidence.slope if np.isnan(evidence.height) else 0.0
         caps = (
             (evidence.paint_width, config.paint_width_max, "{:.2f} m broad"),
             (evidence.wide_band_ratio, config.wide_band_ratio_max, "as bright beside as on it"),
             (abs(evidence.height), config.height_max, "{:.2f} m above or below the road"),
-            # What stands on the road is drawn out obliquely in the view from above.
-            (evidence.slope * np.isnan(evidence.height), config.slope_max, "slope {:.2f}, of unknown height"),
+            (steep, config.unknown_height_slope_max, "slope {:.2f}, of unknown height"),
         )
         return next((text.format(value) for value, most, text in caps if value > most), "")

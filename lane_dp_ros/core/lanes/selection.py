@@ -54,7 +54,7 @@ class LaneSelectionConfig(Parameters):
         expert=True,
     )
 
-    slope_max: float = parameter(
+    unknown_height_slope_max: float = parameter(
         0.14,
         "Steepest lateral over forward of a line whose height is not known.",
         limits=(0.01, 1.0),

@@ -64,4 +64,4 @@ def test_a_single_drive_without_scenes_is_refused():
 
 def test_a_real_frame_counts_most():
     assert collected("a", variations=2).weights == (1.0, 0.25, 0.25)
-    assert collected(SCENES, "kerbs").weights == (0.5,)
+    assert collected(SCENES, "kerbs").weights == (0.3,)
