@@ -60,8 +60,6 @@ class _Memory:
 
     camera: StereoCamera | None = None
     stamp_ns: int = 0
-    lanes: tuple[Lane, ...] = ()
-    """The lines that the last measured road bore, as of the frame before."""
     surface: RoadSurface | None = None
     axis: RoadAxis | None = None
     paint: float = 0.0
@@ -138,9 +136,9 @@ class LanePipeline:
         memory.stamp_ns = stamp_ns
         gate = self._road.predict(nominal, stamp_ns)
         if not config.tracking.enabled or stamp_ns - memory.course_ns > COURSE_MEMORY_NS:
-            return Prior(gate, lanes=memory.lanes)
+            return Prior(gate)
         due = stamp_ns - memory.voted_ns >= VOTE_PERIOD_NS
-        return Prior(gate, memory.surface, memory.axis, None if due else memory.paint, memory.lanes)
+        return Prior(gate, memory.surface, memory.axis, None if due else memory.paint)
 
     def _detector_for(self, camera: StereoCamera, config: DetectorConfig) -> LaneDetector:
         detector = self._detector
@@ -155,16 +153,13 @@ class LanePipeline:
 
     def _tracked(self, detection: LaneDetection, stamp_ns: int) -> tuple[Lane, ...]:
         """Return the lanes of a detection with identities, and remember what the next prior needs."""
-        memory, measured = self._memory, detection.road_estimate.source == "measured"
-        if measured:
+        memory = self._memory
+        if detection.road_estimate.source == "measured":
             seen = detection.birds_eye if detection.lanes else None
             memory.surface, memory.course_ns = detection.road, stamp_ns
             memory.axis, memory.paint = None if seen is None else seen.axis, detection.score
             memory.voted_ns = stamp_ns if detection.voted else memory.voted_ns
-        lanes = self._tracker.update(detection.lanes, stamp_ns)
-        known = {lane.id for lane in memory.lanes}
-        memory.lanes = tuple(lane for lane in lanes if measured or lane.id in known)
-        return lanes
+        return self._tracker.update(detection.lanes, stamp_ns)
 
     def _checked(
         self,

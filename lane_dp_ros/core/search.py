@@ -158,7 +158,6 @@ class LaneSearch:
         among: Sequence[Candidate] = (),
     ) -> list[Candidate]:
         """Return lines with their evidence for paint, compared `among` others, and what that says."""
-
         others = [each.evidence for each in among]
         needs_height = self._scoring.needs_height
         measured = measure_paint(lines, seen.paint, seen.edges, seen.frame, needs_height, others)

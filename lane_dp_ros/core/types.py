@@ -78,16 +78,13 @@ class Prior:
 
     `road` decides which surface of the road serves; `surface` is the one that was measured a moment ago, and
     `axis` the road's axis then: both are where the search in this frame begins. `paint` are the net metres of
-    it that there were along the axis; with much less there, or None, the edges vote for another one. `lanes`
-    are those known by now; where heights are not measured, doubtful lines are lanes only where they go on
-    with one of these (None: nothing is followed over time, doubtful lines are told with little confidence).
+    it that there were along the axis; with much less there, or None, the edges vote for another one.
     """
 
     road: RoadGate = as_measured
     surface: RoadSurface | None = None
     axis: RoadAxis | None = None
     paint: float | None = None
-    lanes: tuple[Lane, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -230,7 +230,3 @@ def test_the_gate_is_asked_once_with_the_road_that_was_measured(frame, detection
     assert asked == [detection.road]
     DETECTOR.detect(StereoFrame(frame.left), Prior(gate))
     assert asked[1:] == [None]
-
-
-def test_known_lanes_change_nothing_where_heights_are_measured(frame, detection):
-    assert_same_lanes(DETECTOR.detect(frame, Prior(lanes=())), detection)

@@ -404,7 +404,7 @@ def test_a_road_that_contradicts_the_ones_before_does_not_serve(frames):
 @pytest.mark.parametrize("alone", [False, True], ids=["pair", "left image alone"])
 @pytest.mark.usefixtures("misled")
 def test_after_a_jump_of_time_nothing_at_all_is_remembered(frames, jump_ns, alone):
-    """Not the road, nor the axis, nor the lines that doubtful ones could go on with."""
+    """Not the road, nor the axis."""
     pipeline = LanePipeline()
     follow(tenths(frames[:MISLED]), pipeline)
     last = START + (MISLED - 1) * TENTH
@@ -421,23 +421,6 @@ def test_a_second_at_most_is_no_jump_of_time(frames, later_ns):
     (after,) = follow([(START + later_ns, left_alone(frames[0]))], pipeline)
     assert after.road_profile == "last"
     assert {lane.id for lane in after.lanes} & {lane.id for lane in before.lanes}
-
-
-def test_the_lines_that_are_known_are_those_that_a_measured_road_bore(frames, priors):
-    """New lines of the left image alone do not make others trustworthy."""
-    results = follow(tenths([*frames[:2], left_alone(frames[2]), left_alone(frames[3])]))
-    known = [{lane.id for lane in prior.lanes} for prior in priors]
-    assert known[0] == set()
-    assert known[1] == {lane.id for lane in results[0].lanes}
-    assert known[3] <= known[2] == {lane.id for lane in results[1].lanes}
-
-
-def test_lines_that_no_measured_road_bore_are_not_known(frames, priors):
-    """Before the first right image nobody can tell whether a line is a kerb."""
-    results = follow(tenths([left_alone(frames[0]), left_alone(frames[1]), frames[2], frames[3]]))
-    assert results[0].lanes and results[1].lanes
-    assert priors[1].lanes == priors[2].lanes == ()
-    assert {lane.id for lane in priors[3].lanes} == {lane.id for lane in results[2].lanes}
 
 
 @pytest.mark.parametrize(("width", "goes_on"), [(16.0, True), (9.0, False)])

@@ -111,7 +111,7 @@ def test_the_lanes_are_candidates_with_their_own_evidence(search):
         assert lane.refusal == ""
         assert lane.evidence.paint_width == pytest.approx(0.15, abs=0.04)
         assert lane.evidence.height == pytest.approx(0, abs=0.01)
-        assert lane.evidence.longest_segment <= lane.line.length + 0.25
+        assert lane.evidence.length == lane.line.length
 
 
 def test_the_score_is_the_paint_of_all_lanes(search):

@@ -69,7 +69,7 @@ def test_without_frames_before_what_is_measured_serves():
     prior = Prior()
     assert prior.road(surface) == RoadEstimate(surface, "measured", "")
     assert prior.road(None) == RoadEstimate(None, "none", "")
-    assert prior.surface is prior.axis is prior.paint is prior.lanes is None
+    assert prior.surface is prior.axis is prior.paint is None
 
 
 def test_extent_is_the_depth_of_the_nearest_and_farthest_point():

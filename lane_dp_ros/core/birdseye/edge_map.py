@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
-from lane_dp_ros.core.birdseye.paint_map import PaintMap
+from lane_dp_ros.core.birdseye.paint_map import SENSOR_NOISE, PaintMap, odd_cells
 
 Floats = NDArray[Any]
 Singles = NDArray[np.float32]
@@ -21,7 +21,6 @@ CELL = (1.0, 0.2)  # m along and across of a cell, as near as whole cells of the
 # Strips of ground beside a border: how far [m] aside their middles lie, how long and broad [m] they are.
 NEAR = 0.3, (1.25, 0.3)
 FAR = 0.75, (2.0, 0.9)
-SENSOR_NOISE = 3.0  # grey levels
 DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 SURE_RISE = 0.1  # m; a step of height that is a border for certain, next to the vehicle
 DISPARITY_NOISE = 0.25  # px, of a strip's mean disparity
@@ -95,11 +94,11 @@ def edge_map(view: BirdsEyeView, paint_map: PaintMap) -> EdgeMap:
     )
     cell_size = float(s[0] - s[1]), float(n[1] - n[0])
     near, far = (_Strips(n, cell_size, *each) for each in (NEAR, FAR))
-    grey_before, grey_behind = near.before_and_behind(grey)
-    rough_before, _ = near.before_and_behind(rough)
+    greys, roughs = (near.before_and_behind(values) for values in (grey, rough))
+    far_greys, far_roughs = (far.before_and_behind(values) for values in (grey, rough))
     _, rise = near.ground_and_rise(height, known)
     ground, far_rise = far.ground_and_rise(height, known)
-    step = np.abs(grey_behind - grey_before) / (rough_before + SENSOR_NOISE)
+    step = np.abs(greys[1] - greys[0]) / (roughs[0] + SENSOR_NOISE)
     step *= 1 - cv2.dilate(paint, np.ones((1, 3), np.uint8))
     feature = np.minimum(np.abs(np.nan_to_num(rise)) / _sure_rise(view, s)[:, None], 1)
     feature = (feature + np.minimum(step / SURE_STEP, 1)) / SURE
@@ -107,11 +106,11 @@ def edge_map(view: BirdsEyeView, paint_map: PaintMap) -> EdgeMap:
         feature=np.where(seen > 0.5, np.minimum(feature, 1), 0).astype(np.float32),
         seen=seen > 0.5,
         rise=rise,
-        grey_step=near.grey_step(grey),
-        texture_step=near.texture_step(rough),
+        grey_step=_grey_step(*greys),
+        texture_step=_texture_step(*roughs),
         far_rise=far_rise,
-        far_grey_step=far.grey_step(grey),
-        far_texture_step=far.texture_step(rough),
+        far_grey_step=_grey_step(*far_greys),
+        far_texture_step=_texture_step(*far_roughs),
         ground=ground,
         s=s,
         n=n,
@@ -126,7 +125,7 @@ class _Strips:
 
     def __init__(self, n: Floats, cell: tuple[float, float], aside: float, size: tuple[float, float]) -> None:
         self._left = n < 0
-        self._window = _cells(size[1], cell[1]), _cells(size[0], cell[0])
+        self._window = odd_cells(size[1], cell[1]), odd_cells(size[0], cell[0])
         self._aside = max(1, round(aside / cell[1]))
 
     def before_and_behind(self, values: Floats) -> tuple[Floats, Floats]:
@@ -149,15 +148,15 @@ class _Strips:
             )
         return np.asarray(before, np.float32), np.asarray(behind - before, np.float32)
 
-    def grey_step(self, grey: Floats) -> Singles:
-        """Return how much brighter it is behind each cell, over brightness."""
-        before, behind = self.before_and_behind(grey)
-        return np.asarray((behind - before) / (before + DARK), np.float32)
 
-    def texture_step(self, rough: Floats) -> Singles:
-        """Return by what factor, as a logarithm, it is rougher behind each cell."""
-        before, behind = self.before_and_behind(rough)
-        return np.asarray(np.log((behind + SENSOR_NOISE) / (before + SENSOR_NOISE)), np.float32)
+def _grey_step(before: Floats, behind: Floats) -> Singles:
+    """Return how much brighter it is behind each cell, over brightness."""
+    return np.asarray((behind - before) / (before + DARK), np.float32)
+
+
+def _texture_step(before: Floats, behind: Floats) -> Singles:
+    """Return by what factor, as a logarithm, it is rougher behind each cell."""
+    return np.asarray(np.log((behind + SENSOR_NOISE) / (before + SENSOR_NOISE)), np.float32)
 
 
 def _heights(view: BirdsEyeView) -> tuple[Floats, NDArray[np.bool_]]:
@@ -171,8 +170,3 @@ def _sure_rise(view: BirdsEyeView, s: Floats) -> Floats:
     surface = view.road_surface
     per_pixel = surface.camera_height / (surface.camera.fx * surface.camera.baseline) * s
     return np.asarray(SURE_RISE + 2 * DISPARITY_NOISE * per_pixel)
-
-
-def _cells(length: float, resolution: float) -> int:
-    """Return an odd number of cells of about `length`."""
-    return 2 * int(length / resolution / 2) + 1

@@ -100,7 +100,7 @@ class EdgesPaintMap:
         grey = (grey - low) / max(high - low, 1.0)
         weighted = self._config.edge_weight * edges + (1 - self._config.edge_weight) * grey
         feature = np.where(view.on_road, weighted, 0).astype(np.float32)
-        surroundings = cv2.blur(grey, (_cells(PAINT_SURROUNDINGS, view.resolution[1]), 1))
+        surroundings = cv2.blur(grey, (odd_cells(PAINT_SURROUNDINGS, view.resolution[1]), 1))
         nothing = np.zeros(grey.shape, np.float32)
         paint = np.asarray(np.maximum(grey - surroundings, 0), dtype=np.float32)
         return PaintMap(feature, view.on_road, paint, nothing, nothing)
@@ -165,7 +165,7 @@ def road_texture(view: BirdsEyeView) -> NDArray[np.float32]:
     power = np.minimum(change * change * np.float32(0.5), np.float32(TEXTURE_MAX**2))
     on_road = view.on_road.astype(np.float32)
     power *= on_road
-    window = _cells(TEXTURE_WINDOW[1], per_column), _cells(TEXTURE_WINDOW[0], per_row)
+    window = odd_cells(TEXTURE_WINDOW[1], per_column), odd_cells(TEXTURE_WINDOW[0], per_row)
     mean = cv2.blur(power, window) / np.maximum(cv2.blur(on_road, window), np.float32(0.02))
     return np.asarray(np.sqrt(np.maximum(mean, 0)), dtype=np.float32)
 
@@ -205,6 +205,6 @@ def band_contrast(image: NDArray[np.uint8], texture: Floats, per_column: float) 
     return np.asarray(best, dtype=np.float32)
 
 
-def _cells(length: float, resolution: float) -> int:
+def odd_cells(length: float, resolution: float) -> int:
     """Return an odd number of cells of about `length`."""
     return 2 * int(length / resolution / 2) + 1

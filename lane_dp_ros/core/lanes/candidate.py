@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -87,10 +87,6 @@ class LaneEvidence:
     """Root mean square [m] of how far aside of the smooth line its paint lies, means of 2 m of it."""
     brightness: float = np.nan
     """Brightness of the paint over that of the road towards the vehicle, less 1."""
-    longest_segment: float = np.nan
-    """Longest piece of paint [m], short gaps bridged."""
-    dashes: int = 0
-    """Number of pieces of paint that are long enough to be dashes."""
     painted: float = np.nan
     """Share of its length that shows paint."""
     border: float = np.nan
@@ -144,7 +140,3 @@ class Candidate:
     def score(self) -> float:
         """Net metres of paint along its line."""
         return self.line.score
-
-    def refused(self, reason: str) -> Candidate:
-        """Return it with the reason for which it is no lane line, empty for none."""
-        return replace(self, refusal=reason)

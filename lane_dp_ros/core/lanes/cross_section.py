@@ -27,7 +27,7 @@ NEAR_PAINT = 10.0  # m of paint, the nearest, that give the cross section; the f
 FLANK = (4, 10)  # samples from the centre; the road beside the paint, behind its blurred border and any crack
 WHITE = 255.0  # grey level
 SATURATED = 250.0  # grey levels; how bright such ground is nobody knows
-FAINT = 0.02  # Weber contrast; how uneven less is nobody knows
+FAINT = 0.02  # Weber contrast of paint; less is noise
 DARK = 10.0  # grey levels; keeps ratios of dark pictures sane
 REMAP_ROWS = 32_766  # OpenCV samples no more at once
 

@@ -32,12 +32,10 @@ def to_lanes(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[Lane,
 
 def to_road_edges(candidates: Sequence[Candidate], view: BirdsEyeView) -> tuple[Lane, ...]:
     """Return the road edges of candidates, from left to right, the nearest on each side with an ego role."""
-    ordered = left_to_right(candidates)
-    roles = ego_roles([float(candidate.line.n[0]) for candidate in ordered])
-    edges = (_lane(candidate, view, role) for candidate, role in zip(ordered, roles, strict=True))
+    probable = (max(candidate.probability[1], FAINTEST) for candidate in left_to_right(candidates))
     return tuple(
-        replace(edge, kind="edge", paint_width=0.0, confidence=max(candidate.probability[1], FAINTEST))
-        for edge, candidate in zip(edges, ordered, strict=True)
+        replace(edge, kind="edge", paint_width=0.0, confidence=confidence)
+        for edge, confidence in zip(to_lanes(candidates, view), probable, strict=True)
     )
 
 

@@ -22,6 +22,7 @@ from lane_dp_ros.core.birdseye.paint_profile import PAINTED, PaintProfile, runs_
 from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.cross_section import (
     DARK,
+    FAINT,
     FLANK,
     MIN_PAINTED,
     cross_sections,
@@ -36,7 +37,6 @@ Cells = NDArray[np.intp]
 BESIDE = FLANK[1]  # samples to each side of a line that tell of its paint
 RESOLVED = 20.0  # m; farther off a row of the picture is as long as the gaps of short dashes
 RUN_LOOKED_FOR = 8.0  # m of a line that begins far off, whose longest run is looked for all the same
-FAINTEST = 0.02  # contrast of certain paint; less is noise
 # Log-odds of dashed = a + b missing_paint + c log(longest_run / 1 m), by benchmarks/fit_line_kind.py. Right
 # on roads left out of it: 104 of 108 lanes in labelled KITTI frames, 989 of 1019 in rendered scenes.
 DASHED_LOG_ODDS = (1.80, 12.74, -3.56)
@@ -97,7 +97,7 @@ def _paint_level(sections: Floats, feature: Floats) -> float:
     painted = feature > PAINTED
     if np.count_nonzero(painted) < MIN_PAINTED:
         painted = feature >= np.sort(feature)[-MIN_PAINTED]
-    return max(float(row_medians(_middle(sections[painted])[None])[0]), FAINTEST)
+    return max(float(row_medians(_middle(sections[painted])[None])[0]), FAINT)
 
 
 def _middle(sections: Floats) -> Floats:

@@ -53,7 +53,6 @@ class LaneSelectionConfig(Parameters):
         limits=(0.0, 1.0),
         expert=True,
     )
-
     unknown_height_slope_max: float = parameter(
         0.14,
         "Steepest lateral over forward of a line whose height is not known.",

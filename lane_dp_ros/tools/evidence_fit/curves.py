@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.lanes.evidence_model import Term
 
 Floats = NDArray[Any]
-Shape = Literal["rises", "falls", "peak", "valley", "free"]
+Shape = Literal["rises", "falls", "peak", "valley"]
 
 KNOTS, KNOTS_ASIDE = 5, 4  # of a curve, from the 5th to the 95th percentile; on each side of a turn
 BEYOND = 2.0  # lengths of the last segment by which a curve goes on beyond its last knot, against the class
@@ -25,7 +25,7 @@ MANY = 20  # values that are known; with fewer a curve is flat
 
 @dataclass(frozen=True)
 class Sign:
-    """How a curve runs: it rises, falls, has a peak or a valley at `turn`, or anything."""
+    """How a curve runs: it rises, falls, or has a peak or a valley at `turn`."""
 
     shape: Shape
     turn: float = 0.0
@@ -73,7 +73,7 @@ class Curve:
 
     knots: Floats
     signs: NDArray[np.int8]
-    """+1: rises or is flat; -1: falls or is flat; 0: either."""
+    """+1: rises or is flat; -1: falls or is flat."""
     before: float = 0.0
     """Lengths of the first segment by which it goes on before the first knot."""
     behind: float = 0.0
@@ -123,7 +123,7 @@ def curve(sign: Sign, values: Floats) -> Curve:
 
 
 def _up(sign: Sign) -> int:
-    return {"rises": 1, "peak": 1, "falls": -1, "valley": -1, "free": 0}[sign.shape]
+    return {"rises": 1, "peak": 1, "falls": -1, "valley": -1}[sign.shape]
 
 
 def _knots(values: Floats, count: int) -> Floats:

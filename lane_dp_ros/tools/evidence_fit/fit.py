@@ -61,7 +61,6 @@ class _Class:
         limits: dict[int, tuple[float | None, float | None]] = {
             1: (0.0, None),
             -1: (None, 0.0),
-            0: (None, None),
         }
         of_curves = [limits[int(sign)] for each in self.curves.values() for sign in each.signs]
         return [(None, None), *of_curves, *[(None, None)] * (len(self.unknown) + 1)]
@@ -170,10 +169,8 @@ class EvidenceFit:
         for i, each in enumerate(examples):
             n = len(each.evidence)
             for k, kind in enumerate(self._classes):
-                names = {*kind.curves}
-                design[k][i, :n] = kind.design(
-                    {name: evidence_values([each], name) for name in names}, each.rendered
-                )
+                values = {name: evidence_values([each], name) for name in kind.curves}
+                design[k][i, :n] = kind.design(values, each.rendered)
             may_be[i, :n] = each.may_be
             can_be[i, :n] = True
             can_be[i, :n, PAINT] = np.isfinite(evidence_values([each], "score"))

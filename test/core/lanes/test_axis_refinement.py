@@ -31,8 +31,6 @@ PAINT = LaneEvidence(
     saturation_contrast=0.5,
     relative_contrast=1.0,
     brightness=0.5,
-    longest_segment=10.0,
-    dashes=1,
     painted=0.9,
     rise=0.0,
 )

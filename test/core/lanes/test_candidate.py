@@ -18,11 +18,3 @@ def test_the_length_of_a_line_is_that_along_the_road():
 
 def test_a_candidate_scores_its_metres_of_paint():
     assert Candidate(LINE, EVIDENCE).score == 1.5
-
-
-def test_a_candidate_is_none_of_a_lane_once_it_is_refused_and_the_first_one_stays():
-    candidate = Candidate(LINE, EVIDENCE, "parallel")
-    refused = candidate.refused("as pale as kerbs")
-    assert (refused.refusal, candidate.refusal) == ("as pale as kerbs", "")
-    assert (refused.line, refused.evidence, refused.variant) == (LINE, EVIDENCE, "parallel")
-    assert refused.refused("").refusal == ""

@@ -4,7 +4,6 @@
 
 from dataclasses import asdict, replace
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -42,12 +41,10 @@ def test_a_broad_band_is_too_wide_and_its_ratio_too_large(painted_road, evidence
 def test_a_step_is_no_band(painted_road, evidence_of):
     found = evidence_of(painted_road().step(CENTRE))
     assert found.paint_width > LIMITS.paint_width_max
-    assert found.longest_segment == 0
 
 
 def test_a_dark_line_is_darker_than_the_road(painted_road, evidence_of):
     found = evidence_of(painted_road().line(CENTRE, brightness=-60))
-    assert found.longest_segment == 0
     assert found.brightness < 0
     assert found.contrast < 0.1
 
@@ -85,39 +82,9 @@ def test_a_line_off_by_a_column_gives_the_same_cross_section(painted_road, evide
     assert off.wide_band_ratio == pytest.approx(on.wide_band_ratio, abs=0.06)
 
 
-@pytest.mark.parametrize(
-    ("dash", "count"), [((3.0, 3.0), 4), ((2.0, 6.0), 3), ((1.0, 2.0), 0), ((1.0, 0.0), 1)]
-)
-def test_dashes_are_counted_if_long_enough(painted_road, evidence_of, dash, count):
-    """From 4 m to 24 m; 3 m long they begin at 4 m, 10 m, 16 m and, cut off by the view, at 22 m."""
-    assert evidence_of(painted_road().line(CENTRE, first=4, dash=dash)).dashes == count
-
-
-@pytest.mark.parametrize(("more", "count"), [(-0.25, 0), (0.0, 1)])
-def test_a_dash_is_not_shorter_than_it_may_be(painted_road, evidence_of, more, count):
-    last = 10 + lane_evidence.DASH + more - 0.01
-    assert evidence_of(painted_road().line(CENTRE, first=10, last=last)).dashes == count
-
-
-def test_blank_road_has_no_dashes(painted_road, evidence_of):
-    assert evidence_of(painted_road()).dashes == 0
-
-
-def test_an_arrow_is_a_short_segment(painted_road, evidence_of):
+def test_what_is_not_painted_blurs_no_width(painted_road, evidence_of):
     found = evidence_of(painted_road().line(CENTRE, first=10, last=11.3))
-    assert found.longest_segment == pytest.approx(1.25)  # five rows
-    assert found.longest_segment < 1.5
-    assert found.paint_width == pytest.approx(0.15, abs=0.01)  # what was not painted does not blur it
-
-
-@pytest.mark.parametrize(("gap", "segment"), [(0.75, 20.0), (2.0, 1.0)])
-def test_short_gaps_are_bridged_and_long_ones_are_not(painted_road, evidence_of, gap, segment):
-    road = painted_road().line(CENTRE, first=4, dash=(1.0, gap))
-    assert evidence_of(road).longest_segment == pytest.approx(segment, abs=0.25)
-
-
-def test_blank_road_has_no_segment_of_paint(painted_road, evidence_of):
-    assert evidence_of(painted_road()).longest_segment == 0
+    assert found.paint_width == pytest.approx(0.15, abs=0.01)
 
 
 def test_slope_is_the_steepest_lateral_over_forward(painted_road, evidence_of):
@@ -229,14 +196,13 @@ def test_heights_are_measured_of_the_lines_alone_that_need_them(town, monkeypatc
 
 
 @settings(deadline=None)
-@given(painted=st.lists(st.booleans(), min_size=4, max_size=80))
-def test_the_longest_segment_is_that_of_a_morphological_closing(painted):
-    """Gaps of up to 1 m, five rows, are bridged."""
-    painted = np.array(painted)
-    closed = cv2.morphologyEx(painted[:, None].astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 1), np.uint8))
-    expected = np.diff(lane_evidence.runs_of(closed.ravel() > 0)).max(initial=0) * 0.25
-    runs = lane_evidence.runs_of(painted)
-    assert lane_evidence._longest_segment(runs, len(painted), 0.25) == pytest.approx(expected)
+@given(steps=st.lists(st.floats(-0.2, 0.2), min_size=3, max_size=80))
+def test_the_slope_is_the_ninetieth_percentile_of_the_gradient(steps):
+    n = np.cumsum(steps)
+    s = 5.0 + 0.25 * np.arange(len(n))
+    line = LaneLine(np.arange(len(n))[::-1], s, n, 0.0, 1.0)
+    expected = np.percentile(np.abs(np.gradient(n, s)), 90)
+    assert lane_evidence._steepest(line) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("count", [40, 450])

@@ -44,7 +44,6 @@ def test_road_between_two_cracks_has_no_contrast(painted_road, evidence_of):
         road.line(crack, width=0.1, brightness=-50)
     found = evidence_of(road)
     assert 0.09 <= found.paint_width <= 0.4  # nothing else tells it
-    assert found.longest_segment > 1.5
     assert found.contrast < NONE
 
 

@@ -22,7 +22,6 @@ def test_a_curve_has_knots_at_equal_shares_of_the_values():
     assert found.knots == pytest.approx([0.5, 2.75, 5.0, 7.25, 9.5])
     assert found.signs.tolist() == [1, 1, 1, 1]
     assert curve(Sign("falls"), UNIFORM).signs.tolist() == [-1, -1, -1, -1]
-    assert curve(Sign("free"), UNIFORM).signs.tolist() == [0, 0, 0, 0]
 
 
 def test_a_peak_rises_up_to_its_turn_and_a_valley_falls():
@@ -44,7 +43,7 @@ def test_of_few_values_a_curve_has_one_segment():
     assert len(curve(Sign("rises"), np.r_[few, 19.0]).signs) > 1
 
 
-@pytest.mark.parametrize("shape", ["rises", "falls", "peak", "valley", "free"])
+@pytest.mark.parametrize("shape", ["rises", "falls", "peak", "valley"])
 @pytest.mark.parametrize("values", [np.zeros(100), np.r_[np.zeros(99), 5.0], -np.ones(100)], ids=str)
 def test_the_knots_rise_whatever_the_values(shape, values):
     found = curve(Sign(shape), values)
