@@ -185,7 +185,7 @@ class LanePipeline:
 
 
 def _lies_on_paint(edge: Lane, lanes: tuple[Lane, ...]) -> bool:
-    """Whether most of a road edge runs along one of the lanes: an edge from before, where paint is seen now."""
+    """Whether most of a road edge runs along a lane: an edge from before, where paint is seen now."""
     for lane in lanes:
         apart = np.linalg.norm(edge.points[:, None, [0, 2]] - lane.points[:, [0, 2]], axis=2).min(axis=1)
         if np.median(apart) < SAME_PLACE:

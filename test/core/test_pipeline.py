@@ -489,5 +489,5 @@ def test_a_road_edge_of_before_where_paint_is_seen_now_is_no_edge(frames, monkey
 
 
 def moved_aside(lane, aside, **changes):
-    points = lane.points + [aside, 0, 0]
+    points = lane.points + np.array([aside, 0.0, 0.0])
     return replace(lane, points=points, lateral_offset=lane.lateral_offset + aside, **changes)
