@@ -137,8 +137,7 @@ class LaneSearch:
         self, paths: Sequence[LanePath], paint: PaintProfile, rng: np.random.Generator
     ) -> list[LaneLine]:
         """Return lines through paths; those with free ends go on to further dashes, and end at stop lines."""
-        fitted = [self._fit.fit(path, paint, rng) for path in paths]
-        lines = [line for line in fitted if line is not None]
+        lines = self._fit.fit(paths, paint, rng)
         if self._config.path_search.free_ends:
             config, blank_cost = self._config, self._config.path_search.blank_cost
             lines = [
