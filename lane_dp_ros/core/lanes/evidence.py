@@ -54,34 +54,51 @@ SMOOTHED = 2.0  # m along a line, over which the noise of where its paint lies i
 LONG = 0.5  # share of the longest line's paint; shorter ones may be anything
 
 
+@dataclass(frozen=True, eq=False)
+class EvidenceSource:
+    """Where the evidence for lines is looked up: what looks like paint, like borders, and the grey frame."""
+
+    paint: PaintProfile
+    edges: EdgeMap
+    frame: StereoFrame
+
+
 def measure_paint(
     lines: Sequence[LaneLine],
-    paint: PaintProfile,
-    edges: EdgeMap,
-    frame: StereoFrame,
+    source: EvidenceSource,
     needs_height: NeedsHeight,
+    variants: Sequence[LaneLine] = (),
     among: Sequence[LaneEvidence] = (),
 ) -> list[LaneEvidence]:
-    """Return all evidence for lines in the view of a grey frame, compared `among` others or each other.
+    """Return all evidence for lines, and for variants of them, compared `among` others or to the lines.
 
-    Heights are measured, from both images, of the lines alone of which `needs_height` says so by all their
+    Heights are measured, from both images, of those alone of which `needs_height` says so by all their
     other evidence; of the others, and without a right image, they are unknown.
     """
-    if not lines:
+    each = [*lines, *variants]
+    if not each:
         return []
-    each = _rows_of(lines, paint)
-    measured = _with_paint(_borders(each, lines, paint, edges), each, lines, paint)
-    measured = compare_paint(measured, among or measured)
+    rows = _rows_of(each, source.paint)
+    measured = _with_paint(_borders(rows, each, source), rows, each, source.paint)
+    measured = compare_paint(measured, among or measured[: len(lines)])
     needed = np.flatnonzero(needs_height(measured)).tolist()
-    heights = line_heights([lines[i] for i in needed], paint.view, frame)
+    heights = line_heights([each[i] for i in needed], source.paint.view, source.frame)
     for i, found in zip(needed, heights, strict=True):
-        measured[i] = _with_height(measured[i], lines[i], found)
+        measured[i] = _with_height(measured[i], each[i], found)
     return measured
 
 
-def measure_border(lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMap) -> list[LaneEvidence]:
+def measure_border(lines: Sequence[LaneLine], source: EvidenceSource) -> list[LaneEvidence]:
     """Return the evidence for lines being borders of the carriageway."""
-    return _borders(_rows_of(lines, paint), lines, paint, edges) if lines else []
+    return _borders(_rows_of(lines, source.paint), lines, source) if lines else []
+
+
+def courses(lines: Sequence[LaneLine], paint: PaintProfile) -> list[tuple[float, float]]:
+    """Return `slope` and `off_paint_fraction` of lines, as their evidence has them."""
+    if not lines:
+        return []
+    rows = _rows_of(lines, paint)
+    return list(zip(_steepest(rows).tolist(), _off_paint_fraction(rows, paint).tolist(), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,56 +107,41 @@ class _Rows:
 
     lines: Segments
     rows: Cells
+    s: Floats
+    n: Floats
     column: Floats
     centre: Cells
     """The cell nearest to `column`."""
 
+    def kept(self, at: NDArray[np.bool_]) -> _Rows:
+        """Return those rows that are true, at least one a line."""
+        columns = self.column[at], self.centre[at]
+        return _Rows(self.lines.of_kept(at), self.rows[at], self.s[at], self.n[at], *columns)
+
 
 def _rows_of(lines: Sequence[LaneLine], paint: PaintProfile) -> _Rows:
-    n = np.concatenate([line.n for line in lines])
-    rows = np.concatenate([line.rows for line in lines])
+    rows, s, n = (np.concatenate([getattr(line, name) for line in lines]) for name in ("rows", "s", "n"))
     segments = Segments([len(line.rows) for line in lines])
-    return _Rows(segments, rows, paint.view.columns(n), paint.view.nearest_columns(n))
+    return _Rows(segments, rows, s, n, paint.view.columns(n), paint.view.nearest_columns(n))
 
 
-def _borders(
-    each: _Rows, lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMap
-) -> list[LaneEvidence]:
-    cells = edges.cells(paint.view.s[each.rows], np.concatenate([line.n for line in lines]))
-    painted = each.lines.count(paint.feature(each.rows, each.centre) > PAINTED) / each.lines.lengths
+def _borders(each: _Rows, lines: Sequence[LaneLine], source: EvidenceSource) -> list[LaneEvidence]:
+    edges = source.edges
+    cells = edges.cells(each.s, each.n)
+    painted = each.lines.count(source.paint.feature(each.rows, each.centre) > PAINTED) / each.lines.lengths
     border = each.lines.sum(edges.feature[cells]) / each.lines.lengths
-    steps = {name: _median_of_known(getattr(edges, name)[cells], each.lines).tolist() for name in STEPS}
+    steps = each.lines.median_of_known(np.stack([getattr(edges, name)[cells] for name in STEPS]))
+    measured = np.stack([_steepest(each), painted, border, *steps], axis=1).tolist()
+    names = ("slope", "painted", "border", *STEPS)
     return [
-        LaneEvidence(
-            length=line.length,
-            start=float(line.s[0]),
-            slope=_steepest(line),
-            painted=float(painted[i]),
-            border=float(border[i]),
-            **{name: values[i] for name, values in steps.items()},
-        )
-        for i, line in enumerate(lines)
+        LaneEvidence(length=line.length, start=float(line.s[0]), **dict(zip(names, values, strict=True)))
+        for line, values in zip(lines, measured, strict=True)
     ]
 
 
-def _steepest(line: LaneLine) -> float:
-    """Return the slope, lateral over forward, that a tenth of the line exceeds."""
-    steps = np.diff(line.n) / np.diff(line.s)
-    slopes = np.abs(np.concatenate([steps[:1], (steps[:-1] + steps[1:]) / 2, steps[-1:]]))
-    slopes.sort()
-    at = STEEPEST * (len(slopes) - 1)
-    # As np.gradient and np.percentile have it, in a fraction of their time.
-    return float(np.interp(at, np.arange(len(slopes)), slopes))
-
-
-def _median_of_known(values: Floats, each: Segments) -> Floats:
-    """Return the median of each line's values that are known, NaN where fewer than half are."""
-    known = np.isfinite(values)
-    if known.all():
-        return each.median(values)
-    enough = each.count(known) * 2 > each.lengths
-    kept = known | ~enough[each.index]
-    return np.where(enough, each.of_kept(kept).median(np.nan_to_num(values[kept])), np.nan)
+def _steepest(each: _Rows) -> Floats:
+    """Return the slope of each line, lateral over forward, that a tenth of it exceeds."""
+    return each.lines.quantile(np.abs(each.lines.slopes(each.s, each.n)), STEEPEST)
 
 
 def _with_height(evidence: LaneEvidence, line: LaneLine, heights: LineHeights) -> LaneEvidence:
@@ -160,7 +162,7 @@ def _with_paint(
     off_paint = _off_paint_fraction(each, paint)
     texture = _texture(each, paint)
     at = _painted(feature, certain, each.lines)
-    painted = _Rows(each.lines.of_kept(at), each.rows[at], each.column[at], each.centre[at])
+    painted = each.kept(at)
     sections = cross_sections(view, painted.rows, painted.column)
     means = BandMeans(sections)
     width = band_widths(sections, painted.lines, view.resolution[0])

@@ -117,7 +117,9 @@ def polynomial_fits(s: Floats, n: Floats, weight: Floats, lines: Segments) -> tu
 
     `s`, `n` [m] and `weight` (N,) are of all lines, one after the other; bends (lines,) are curvatures [1/m].
     """
-    own = np.arange(lines.lengths.max()) < lines.lengths[:, None]  # shorter lines are filled up with no weight
+    own = (
+        np.arange(lines.lengths.max()) < lines.lengths[:, None]
+    )  # shorter lines are filled up with no weight
     t, y, w = np.zeros((3, *own.shape))
     t[own] = (s - lines.spread(lines.sum(s) / lines.lengths)) / TEN_METRES
     y[own], w[own] = n, weight
