@@ -25,10 +25,10 @@ from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 
-STEP = 0.02  # m between the planes
+STEP = 0.04  # m between the planes
 PLANES = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
 FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity with KITTI's cameras
-ALONG, ACROSS = 0.25, 0.025  # m between the samples
+ALONG, ACROSS = 0.25, 0.05  # m between the samples
 LINE = 0.2  # m to each side of the line: the paint with its borders
 GROUND = (0.3, 1.2)  # m aside; the ground beside it
 ASIDE = np.arange(-GROUND[1], GROUND[1] + ACROSS / 2, ACROSS)
