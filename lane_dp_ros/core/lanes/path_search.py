@@ -190,16 +190,17 @@ class _FreeEndPasses:
         self.found: list[LanePath] = []
 
     def run(self) -> bool:
-        """Search once, and close bands around what is found; return whether that is anything."""
+        """Search once, and close bands around what is found; return whether to search again."""
         gain = segment_gain(self.reward, self.max_slope, self.step, self.segment, self.slope_cost)
         paths = free_paths(gain, self.config.bend_cost)
         score = np.where(self.taken, 0, paths.score)
         ends = self._clear_of_better_ones(paths, score)
         for nodes in ends:
             self._accept(nodes, float(score[nodes[-1, 0], nodes[-1, 1]]))
-        if ends:
-            self._close(np.concatenate(ends))
-        return bool(ends)
+        if not ends or len(self.found) == self.config.max_paths:
+            return False
+        self._close(np.concatenate(ends))
+        return True
 
     def _clear_of_better_ones(self, paths: FreePaths, score: Floats) -> list[Nodes]:
         """Return the nodes of the paths of high `score`, best first, that keep clear of better ones."""
