@@ -31,6 +31,7 @@ class EdgeLineSearch:
                 separation_min=SEPARATION,
                 min_score=MIN_LENGTH,
                 max_paths=MAX_PATHS,
+                passes=1,
             )
         )
 
