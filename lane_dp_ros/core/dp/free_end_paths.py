@@ -71,10 +71,10 @@ class FreePaths:
         rows, columns = self.score.shape
         if not (0 <= row < rows and 0 <= column < columns):
             raise ValueError(f"({row}, {column}) is not in the graph, expected below ({rows}, {columns})")
-        if np.isneginf(self.score[row, column]):
-            raise ValueError(f"no path may end in ({row}, {column}): it is forbidden")
         ends = self.values[row, :, column].tolist()
         slope = max(_straightest_first(len(ends)), key=ends.__getitem__)
+        if ends[slope] == -np.inf:
+            raise ValueError(f"no path may end in ({row}, {column}): it is forbidden")
         nodes = self._nodes_before(row, column, slope)[::-1]
         rows_of, slopes_of, columns_of = np.unravel_index(nodes, self.padded.shape)
         pad = self.padded.shape[1] // 2
@@ -137,13 +137,13 @@ def free_paths(gain: ArrayLike, bend_penalty: float) -> FreePaths:
     padded = np.full((rows, slopes + 2, columns + 2 * (slopes // 2 + 1)), -np.inf, np.float32)
     E = _inside(padded)
     E[0] = gain[0]
-    bent = np.empty((slopes + 2, columns), np.float32)
     best = np.empty((slopes, columns), np.float32)
+    start = np.zeros_like(best)  # the maximum with a number takes three times as long
     for moved, own, total in zip(_moved_on(padded)[:-1], gain[1:], E[1:], strict=True):
-        np.subtract(moved, penalty, out=bent)
-        np.maximum(bent[:-2], bent[2:], out=best)
+        np.maximum(moved[:-2], moved[2:], out=best)
+        np.subtract(best, penalty, out=best)
         np.maximum(best, moved[1:-1], out=best)
-        np.maximum(best, 0, out=best)
+        np.maximum(best, start, out=best)
         np.add(best, own, out=total)
     return FreePaths(padded, E.max(axis=1), float(penalty))
 
@@ -169,17 +169,21 @@ def segment_gain(
     blocks, columns = len(picture) // step, picture.shape[1]
     costs = np.zeros(2 * max_slope + 1) if slope_cost is None else slope_cost
     costs = np.asarray(costs, np.float32)
-    # The rows of a block apart from one another, so that those of all blocks are summed up in one piece.
-    padded = np.full((step, blocks, columns + 2 * max_slope), -np.inf, np.float32)
+    # The rows of a block apart from one another, padded and flat: those of all blocks are summed up in one
+    # piece, whatever lies between the columns of one block and those of the next.
+    width = columns + 2 * max_slope
+    size = blocks * width
+    padded = np.full((step, size + 2 * max_slope), -np.inf, np.float32)
     rows = picture[: blocks * step].reshape(blocks, step, columns).transpose(1, 0, 2)
-    np.multiply(rows, np.float32(length / step), out=padded[:, :, max_slope : max_slope + columns])
+    inside = padded[:, :size].reshape(step, blocks, width)[:, :, max_slope : max_slope + columns]
+    np.multiply(rows, np.float32(length / step), out=inside)
     gain = np.empty((blocks, 2 * max_slope + 1, columns), np.float32)
-    total = np.empty((blocks, columns), np.float32)
+    total = np.empty(size, np.float32)
     for i, lefts in enumerate(_first_columns(max_slope, step)):
-        np.subtract(padded[0, :, lefts[0] : lefts[0] + columns], costs[i], out=total)
-        for t in range(1, step):
-            total += padded[t, :, lefts[t] : lefts[t] + columns]
-        gain[:, i] = total
+        np.subtract(padded[0, lefts[0] : lefts[0] + size], costs[i], out=total)
+        for row, left in zip(padded[1:], lefts[1:], strict=True):
+            total += row[left : left + size]
+        gain[:, i] = total.reshape(blocks, width)[:, :columns]
     return gain
 
 
@@ -198,7 +202,7 @@ def _inside(padded: Floats) -> Floats:
 
 
 def _moved_on(padded: Floats) -> Floats:
-    """Return the view (rows, slopes + 2, columns) whose [r, i, u] is the node of row r that leads to column u.
+    """Return the view (rows, slopes + 2, columns) whose [r, i, u] is the node of row r that leads to u.
 
     This node, E(r, j, u - j), lies at i * width + pad + (u - j) in row r of `padded`, with `pad` columns of
     padding and j = i - pad: at i * (width - 1) + 2 * pad + u. So a view does what a copy with indices would

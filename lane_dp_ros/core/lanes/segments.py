@@ -70,7 +70,7 @@ class Segments:
         return self.quantile(values, 0.5)
 
     def median_of_known(self, values: Floats) -> Floats:
-        """Return the median of each line's values that are not NaN, NaN where not more than half are known."""
+        """Return the median of each line's values that are not NaN, NaN where half of them or more are."""
         known = np.isfinite(values)
         counts = self.count(known)
         medians = self.quantile(np.where(known, values, UNKNOWN), 0.5, np.maximum(counts, 1))
