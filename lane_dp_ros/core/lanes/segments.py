@@ -37,6 +37,11 @@ class Segments:
         """Return the line (N,) that each value is of."""
         return np.repeat(np.arange(len(self)), self._counts)
 
+    @property
+    def ends(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return where the first and the last value (N,) of each line are."""
+        return self._starts, self._starts + self._counts - 1
+
     def part(self, i: int) -> slice:
         """Return the place of a line's values."""
         start = int(self._starts[i])
@@ -58,11 +63,24 @@ class Segments:
         """Return each line's number for all of its values: (..., lines) to (..., values)."""
         return np.repeat(of_lines, self._counts, axis=-1)
 
+    def moving_sum(self, values: Floats, window: int) -> Floats:
+        """Return the sum of the `window` values around each one, along the last axis, of its own line alone.
+
+        Around value i are i - window // 2 and those behind it, as `np.convolve` has them.
+        """
+        sums = np.zeros((*values.shape[:-1], values.shape[-1] + 1))
+        np.cumsum(values, axis=-1, out=sums[..., 1:])
+        at, (first, last) = np.arange(values.shape[-1]), self.ends
+        start = np.maximum(at - window // 2, self.spread(first))
+        stop = np.minimum(at - window // 2 + window, self.spread(last + 1))
+        return np.asarray(sums[..., stop] - sums[..., start])
+
     def slopes(self, s: Floats, n: Floats) -> Floats:
         """Return the slope of each line n(s) at all of its values, two or more evenly apart."""
         before, after = np.arange(-1, len(s) - 1), np.arange(1, len(s) + 1)
-        before[self._starts] += 1
-        after[self._starts + self._counts - 1] -= 1
+        first, last = self.ends
+        before[first] += 1
+        after[last] -= 1
         return np.asarray((n[after] - n[before]) / (s[after] - s[before]))
 
     def median(self, values: Floats) -> Floats:

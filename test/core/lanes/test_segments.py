@@ -55,6 +55,17 @@ def test_the_median_of_what_is_known():
     np.testing.assert_allclose(both, [[np.nan, 7.0, -2.0], [2.0, 7.0, 5.0]])
 
 
+def test_a_moving_sum_ends_with_its_line():
+    assert THREE.moving_sum(VALUES, 1).tolist() == VALUES.tolist()
+    assert THREE.moving_sum(VALUES, 2).tolist() == [1, 4, 7, 5, 9, 13]
+    assert THREE.moving_sum(np.stack([VALUES, -VALUES]), 3).tolist() == [
+        [4, 4, 7, 9, 18, 13],
+        [-4, -4, -7, -9, -18, -13],
+    ]
+    values = np.arange(20.0) ** 2
+    assert Segments([20]).moving_sum(values, 8).tolist() == np.convolve(values, np.ones(8), "same").tolist()
+
+
 def test_slopes_are_central_within_a_line_and_one_sided_at_its_ends():
     lines, s = Segments([2, 3]), np.array([1.0, 2.0, 2.0, 4.0, 6.0])
     assert lines.slopes(s, np.array([0.0, 3.0, 1.0, 2.0, 5.0])).tolist() == [3.0, 3.0, 0.5, 1.0, 1.5]
