@@ -151,13 +151,12 @@ class LaneSearch:
             if leads_astray(*course) and (half := near_half(line, source.paint, blank_cost))
         ]
         paint = measure_paint(lines, source, self._scoring.needs_height, halves)
-        variants: list[Variant] = (
-            ["path"] * len(lines) + ["near half"] * len(halves) + ["border"] * len(borders)
-        )
-        evidence = [*paint, *measure_border(borders, source)]
-        return self._scoring.scored(
-            [Candidate(*each) for each in zip([*lines, *halves, *borders], evidence, variants, strict=True)]
-        )
+        candidates = [
+            *_candidates(lines, paint[: len(lines)], "path"),
+            *_candidates(halves, paint[len(lines) :], "near half"),
+            *_candidates(borders, measure_border(borders, source), "border"),
+        ]
+        return self._scoring.scored(candidates)
 
     def _selected(self, proposed: Sequence[Candidate], source: EvidenceSource) -> tuple[Candidate, ...]:
         """Return all candidates, parallels to the lanes among them, with the lanes first."""
@@ -167,6 +166,12 @@ class LaneSearch:
         if lines:
             paths = [each.evidence for each in proposed if each.variant == "path"]
             evidence = measure_paint(lines, source, self._scoring.needs_height, among=paths)
-            parallels = [Candidate(*each, "parallel") for each in zip(lines, evidence, strict=True)]
-            chosen = self._scoring.selected([*proposed, *self._scoring.scored(parallels)])
+            parallels = self._scoring.scored(_candidates(lines, evidence, "parallel"))
+            chosen = self._scoring.selected([*proposed, *parallels])
         return tuple(sorted(chosen, key=lambda each: (bool(each.refusal), -each.score)))
+
+
+def _candidates(
+    lines: Sequence[LaneLine], evidence: Sequence[LaneEvidence], variant: Variant
+) -> list[Candidate]:
+    return [Candidate(*each, variant) for each in zip(lines, evidence, strict=True)]

@@ -162,12 +162,14 @@ def road_texture(view: BirdsEyeView) -> NDArray[np.float32]:
     lag = max(1, round(TEXTURE_LAG / per_row))
     padded = cv2.copyMakeBorder(grey, lag, lag, 0, 0, cv2.BORDER_REPLICATE)
     change = cv2.subtract(padded[2 * lag :], padded[: -2 * lag])
-    power = cv2.min(cv2.multiply(change, change, scale=0.5), TEXTURE_MAX**2)
+    power = cv2.multiply(change, change, scale=0.5)
+    _, power = cv2.threshold(power, TEXTURE_MAX**2, 0.0, cv2.THRESH_TRUNC)
     on_road = view.on_road.view(np.uint8)
     window = odd_cells(TEXTURE_WINDOW[1], per_column), odd_cells(TEXTURE_WINDOW[0], per_row)
     total = cv2.blur(cv2.multiply(power, on_road, dtype=cv2.CV_32F), window)
     share = cv2.boxFilter(on_road, cv2.CV_32F, window)
-    return np.asarray(cv2.sqrt(cv2.max(cv2.divide(total, cv2.max(share, 0.02)), 0)), dtype=np.float32)
+    mean = cv2.divide(np.maximum(total, 0), np.maximum(share, np.float32(0.02)))
+    return np.asarray(cv2.sqrt(mean), dtype=np.float32)
 
 
 def band_contrast(image: NDArray[np.uint8], texture: Floats, per_column: float) -> NDArray[np.float32]:

@@ -220,7 +220,7 @@ def _relative_contrast(columns: Columns, among: Columns) -> Floats:
         columns[name] / max(float(among[name][long].max()), FAINT)
         for name in ("contrast", "saturation_contrast")
     ]
-    return np.minimum(np.maximum(*shares), 1.0)
+    return np.asarray(np.minimum(np.maximum(*shares), 1.0))
 
 
 def _brightness(paint: Floats, each: _Rows, view: BirdsEyeView) -> Floats:
