@@ -18,6 +18,7 @@ BLANK_COST = 0.2  # of a border that a metre without any costs: borders are long
 SEPARATION = 0.5  # m; nearer borders wait for the next pass
 MIN_LENGTH = 2.0  # net metres of border
 MAX_PATHS = 10
+PASSES = 1  # a second search, for lines close beside those found, finds false borders
 
 
 class EdgeLineSearch:
@@ -31,7 +32,7 @@ class EdgeLineSearch:
                 separation_min=SEPARATION,
                 min_score=MIN_LENGTH,
                 max_paths=MAX_PATHS,
-                passes=1,
+                passes=PASSES,
             )
         )
 
