@@ -15,7 +15,7 @@ from lane_dp_ros.core.lanes.line_fit import cubic_lines
 from lane_dp_ros.core.lanes.path_search import FreeEndSearch, PathSearchConfig
 
 BLANK_COST = 0.2  # of a border that a metre without any costs: borders are long, and seldom interrupted
-SEPARATION = 0.5  # m; nearer borders wait for the next pass
+SEPARATION = 0.5  # m; of borders that are nearer the longest is taken
 MIN_LENGTH = 2.0  # net metres of border
 MAX_PATHS = 10
 PASSES = 1  # a second search, for lines close beside those found, finds false borders
