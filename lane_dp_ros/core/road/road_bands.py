@@ -11,13 +11,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 Image = NDArray[np.uint8]
-Pixels = NDArray[np.intp]
 
 NEAR_SCALE, FAR_SCALE = 2, 4  # times the resolution of the disparity: far road is small, near road is large
 FARTHEST = 45.0  # m
@@ -39,6 +39,21 @@ def grey_tolerance(errors: Floats) -> float:
 
 
 @dataclass(frozen=True, eq=False)
+class BandPixels:
+    """N pixels of the left bands, float32, each at `row` and `column` of its band.
+
+    `u`, `v` [px]: where they lie in the whole image; `grey` level and `gradient` of the high-passed left image.
+    """
+
+    row: Floats
+    column: Floats
+    u: Floats
+    v: Floats
+    grey: Floats
+    gradient: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class RoadBand:
     """Some rows of both images (h, w), high-passed, and their gradients across [grey levels / px].
 
@@ -56,23 +71,26 @@ class RoadBand:
     rows: slice
     strong: NDArray[np.bool_]
 
-    def strong_pixels(self, cells: NDArray[np.bool_], most: int) -> Pixels:
-        """Return the flat indices of pixels with gradient in cells (rows, columns) that are chosen.
-
-        Thinned out evenly to `most`.
-        """
+    def strong_pixels(self, cells: NDArray[np.bool_], most: int) -> BandPixels:
+        """Return the pixels with gradient in cells (rows, columns) that are chosen, thinned out to `most`."""
         height, width = self.left.shape
         mask = cv2.resize(cells.view(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
         chosen = np.flatnonzero(self.strong & mask.view(np.bool_))
-        return chosen[:: max(1, -(-len(chosen) // most))]
+        pixels = chosen[:: max(1, -(-len(chosen) // most))]
+        row, column = np.divmod(pixels, width)
+        return BandPixels(
+            row.astype(np.float32),
+            column.astype(np.float32),
+            self.u[column],
+            self.v[row],
+            self.left.ravel()[pixels],
+            self.left_gradient.ravel()[pixels],
+        )
 
-    def right_place(self, pixels: Pixels, surface: RoadSurface) -> tuple[Floats, Floats]:
-        """Return column and row (1, N), of the right band, in which its camera sees pixels of a surface."""
-        row, column = np.divmod(pixels, self.left.shape[1])
-        u, offset = self.u[column], np.float32(surface.camera.disparity_offset)
-        u_right = u - surface.disparity(u, self.v[row]) - offset
-        at = (u_right + np.float32(0.5)) / np.float32(self.step) - np.float32(0.5)
-        return at.astype(np.float32)[None], row.astype(np.float32)[None]
+    def right_columns(self, pixels: BandPixels, disparity: Floats, camera: StereoCamera) -> Floats:
+        """Return the columns (N,) of the right band in which its camera sees pixels of that `disparity`."""
+        shift = disparity + np.float32(camera.disparity_offset)
+        return np.asarray(pixels.column - shift * np.float32(1 / self.step), np.float32)
 
 
 def road_bands(
