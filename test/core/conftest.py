@@ -103,7 +103,7 @@ def disparity_of() -> Callable[..., DisparityMap]:
     """
 
     def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE, cell: int = 1) -> DisparityMap:
-        empty = DisparityMap(shape, 0, np.zeros((shape[0] // cell, shape[1] // cell), np.float32))
+        empty = DisparityMap(shape, 0, np.zeros((shape[0] // cell, shape[1] // cell), np.float32), cell)
         u, v = np.meshgrid(*empty.centres)
         disparity = surface.disparity(u, v)
         return replace(empty, matched=np.where(disparity > 0, disparity, np.nan).astype(np.float32))

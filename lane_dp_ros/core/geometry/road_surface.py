@@ -46,7 +46,7 @@ class RoadSurface(ABC):
 
     @abstractmethod
     def linearised(self, u: Array, v: Array) -> tuple[Array, Array]:
-        """Return the disparity (N,) at pixels (u, v), (N,), and its derivatives (4, N) by the coefficients."""
+        """Return disparity (N,) at pixels (u, v), (N,), and its derivatives (4, N) by the coefficients."""
 
     @abstractmethod
     def ground_to_pixel(self, x: Array, z: Array) -> tuple[Array, Array]:

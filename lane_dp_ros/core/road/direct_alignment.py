@@ -132,7 +132,7 @@ def _on_road(surface: VerticalCurve, disparity: DisparityMap) -> NDArray[np.bool
     """Return the cells of the disparity that lie on the surface, in the lane and beside it."""
     camera, (u, v) = surface.camera, disparity.centres
     d = surface.disparity(u[None], v[:, None])
-    within = np.float32(CELLS * disparity.cell_size[0]) + np.float32(SHARE) * d
+    within = np.float32(CELLS * disparity.cell) + np.float32(SHARE) * d
     aside = np.abs(u - camera.cx) * np.float32(camera.baseline / HALF_WIDTH)
     with np.errstate(invalid="ignore"):
         on = np.abs(disparity.matched - d) < within

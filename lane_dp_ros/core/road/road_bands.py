@@ -40,9 +40,9 @@ def grey_tolerance(errors: Floats) -> float:
 
 @dataclass(frozen=True, eq=False)
 class BandPixels:
-    """N pixels of the left bands, float32, each at `row` and `column` of its band.
+    """N pixels of a band, float32, at its `row` and `column`.
 
-    `u`, `v` [px]: where they lie in the whole image; `grey` level and `gradient` of the high-passed left image.
+    `u`, `v` [px] are where they lie in the whole image, `grey` and `gradient` what the left band shows there.
     """
 
     row: Floats
@@ -98,12 +98,13 @@ def road_bands(
 ) -> tuple[RoadBand, RoadBand]:
     """Return far and near road of a grey pair, as a camera of the surface's height sees it on a plane."""
     camera, rows = surface.camera, disparity.matched.shape[0]
-    resolution, row_step = disparity.cell_size
     split = camera.cy + camera.fy * surface.camera_height / SPLIT_DEPTH
     horizon = camera.cy + BELOW_HORIZON * camera.fy
-    first, middle = (int(np.clip((v - disparity.first) / row_step, 0, rows - 1)) for v in (horizon, split))
+    first, middle = (
+        int(np.clip((v - disparity.first) / disparity.cell, 0, rows - 1)) for v in (horizon, split)
+    )
     middle = max(first, middle)  # a camera near to the ground sees no far road
-    far, near = (max(1, min(round(resolution), scale)) for scale in (FAR_SCALE, NEAR_SCALE))
+    far, near = (min(disparity.cell, scale) for scale in (FAR_SCALE, NEAR_SCALE))
     return (
         _band(frame, disparity, slice(first, min(middle + 3, rows)), far),
         _band(frame, disparity, slice(middle, rows), near),
@@ -113,14 +114,14 @@ def road_bands(
 def _band(frame: StereoFrame, disparity: DisparityMap, rows: slice, scale: int) -> RoadBand:
     """Return the rows of cells at `scale` times their resolution."""
     assert frame.right is not None
-    _, row_step = disparity.cell_size
-    top, bottom = (disparity.first + round(row * row_step) for row in (rows.start, rows.stop))
-    size = disparity.matched.shape[1] * scale, (rows.stop - rows.start) * scale
-    grey = [_resized(image[top:bottom], size) for image in (frame.left, frame.right)]
+    count, cell = disparity.matched.shape[1], disparity.cell
+    top, bottom = (disparity.first + row * cell for row in (rows.start, rows.stop))
+    size = count * scale, (rows.stop - rows.start) * scale
+    grey = [_resized(image[top:bottom, : count * cell], size) for image in (frame.left, frame.right)]
     passed = [cv2.subtract(x, cv2.blur(x, (HIGH_PASS, HIGH_PASS)), dtype=cv2.CV_32F) for x in grey]
     gradients = [cv2.Sobel(x, cv2.CV_32F, 1, 0, ksize=1, scale=0.5) for x in passed]
-    steps = frame.left.shape[1] / size[0], (bottom - top) / size[1]
-    u, v = ((np.arange(n) + 0.5) * step - 0.5 for n, step in zip(size, steps, strict=True))
+    step = cell / scale
+    u, v = ((np.arange(n) + 0.5) * step - 0.5 for n in size)
     return RoadBand(
         left=passed[0],
         right=passed[1],
@@ -128,7 +129,7 @@ def _band(frame: StereoFrame, disparity: DisparityMap, rows: slice, scale: int) 
         right_gradient=gradients[1],
         u=u.astype(np.float32),
         v=(v + top).astype(np.float32),
-        step=steps[0],
+        step=step,
         rows=rows,
         strong=cv2.inRange(gradients[0], -MIN_GRADIENT, MIN_GRADIENT) == 0,
     )

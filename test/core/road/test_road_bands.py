@@ -24,9 +24,9 @@ HORIZON_ROW = 60 + 0.03 * 500  # 75
 
 
 def unmatched(shape, first, downscale):
-    """Return a map of cells whose size is no whole number where the image is no multiple of it."""
+    """Return a map of whole cells: at the right and below some pixels of the image may be left over."""
     rows, columns = (shape[0] - first) // downscale, shape[1] // downscale
-    return DisparityMap(shape, first, np.full((rows, columns), np.nan, np.float32))
+    return DisparityMap(shape, first, np.full((rows, columns), np.nan, np.float32), downscale)
 
 
 def blob(shape, u, v, sigma):
