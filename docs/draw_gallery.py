@@ -30,8 +30,8 @@ SHEET = (
     *("wet", "vehicles", "parked_cars", "guard_rails", "tram_rails"),
 )
 FOUND = ("tree_shadows", "night", "kerbs", "yellow_lines", "bridge", "tight_curve", "vehicles", "wet_night")
-FAILURES = ("low_sun", "over_exposure", "ghost_lines")
-REPORTED = ("low_sun", "over_exposure", "yellow_lines", "wet", "curve", "vehicles")
+FAILURES = ("over_exposure", "wet", "no_paint_ghost_lines")
+REPORTED = ("over_exposure", "wet", "no_paint_ghost_lines", "low_sun", "slush", "vehicles")
 FRAME = 2
 WIDTH = 700  # px of a picture of two side by side
 TRUTH_COLOUR = (60, 60, 255)  # blue, green, red
