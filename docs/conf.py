@@ -16,6 +16,7 @@ extensions = [
     "build_extension",
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
     "sphinxarg.ext",
