@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the code itself tells the documentation: its pictures, and a directive that lists every parameter."""
+"""What the code itself tells the documentation: pictures, a table of every parameter, docstrings."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import draw_results
 from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.application import Sphinx
+from sphinx.ext.napoleon import Config, GoogleDocstring
 from sphinx.util.docutils import SphinxDirective
 
 from lane_dp_ros.core.parameter import Parameter
@@ -64,8 +66,27 @@ def draw_pictures(_app: Sphinx) -> None:
     MADE.touch()
 
 
+def as_restructured_text(_app: Sphinx, what: str, _name: str, _obj: Any, *options_and_lines: Any) -> None:
+    """Write the sections "Args:" and so on of a docstring as reStructuredText.
+
+    Not of a field's: of a sentence with a colon in it, napoleon would take the first half for a type.
+    """
+    lines: list[str] = options_and_lines[-1]
+    if what not in ("attribute", "property"):
+        lines[:] = GoogleDocstring(lines, Config(napoleon_use_rtype=False)).lines()
+
+
+def readable_signature(*names_and_parts: Any) -> tuple[str, str] | None:
+    """Return a signature without the `<factory>` of fields, which Sphinx cannot parse."""
+    *_, signature, returns = names_and_parts
+    return None if signature is None else (re.sub(r"<[^<>]*>", "...", signature), returns)
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Add both to Sphinx."""
+    """Add all that to Sphinx."""
+    app.setup_extension("sphinx.ext.autodoc")
     app.add_directive("parameter-table", ParameterTable)
     app.connect("config-inited", lambda app, _config: draw_pictures(app))
+    app.connect("autodoc-process-docstring", as_restructured_text)
+    app.connect("autodoc-process-signature", readable_signature)
     return {"parallel_read_safe": True}
