@@ -7,12 +7,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import draw_gallery
 import draw_method
 import draw_results
 from docutils import nodes
+from docutils.parsers.rst import directives
 from docutils.statemachine import StringList
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import Config, GoogleDocstring
@@ -29,7 +30,7 @@ MADE = PICTURES / "made"
 class ParameterTable(SphinxDirective):
     """Lists the parameters of the node that anybody may set, or those of experts alone, stage by stage."""
 
-    option_spec = {"expert": lambda _: True}
+    option_spec: ClassVar[dict[str, Any]] = {"expert": directives.flag}
 
     def run(self) -> list[nodes.Node]:
         """Return a section's content: a heading and a table for each stage."""

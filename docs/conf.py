@@ -10,7 +10,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 project = "lane_dp_ros"
 author = "The lane_dp_ros authors"
-copyright = f"2026, {author}"  # noqa: A001 - Sphinx's name
+copyright = f"2026, {author}"
 
 extensions = [
     "build_extension",

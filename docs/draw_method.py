@@ -96,7 +96,9 @@ class Stages:
         return picture
 
     def _v_disparity(self) -> plt.Figure:
-        samples = road_samples(self._found.disparity, CAMERA, self._detector.config.road_profile.camera_height)
+        samples = road_samples(
+            self._found.disparity, CAMERA, self._detector.config.road_profile.camera_height
+        )
         figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.1), width_ratios=(2.2, 1), sharey=True)
         left.imshow(cv2.cvtColor(self._pair.left, cv2.COLOR_BGR2RGB), aspect="auto")
         left.set(xlabel="u [px]", ylabel="v [px]", title="left image")
@@ -113,7 +115,9 @@ class Stages:
         extent = (vote.headings[0], vote.headings[-1], vote.curvatures[0], vote.curvatures[-1])
         votes.imshow(np.sqrt(vote._accumulate()), extent=extent, aspect="auto", origin="lower", cmap="magma")
         votes.plot(self._view.axis.heading, self._view.axis.curvature, "o", ms=12, mfc="none", mec="cyan")
-        votes.set(xlabel="heading [rad]", ylabel="curvature [1/m]", title="votes, and the axis that was taken")
+        votes.set(
+            xlabel="heading [rad]", ylabel="curvature [1/m]", title="votes, and the axis that was taken"
+        )
         return figure
 
     def _maps(self) -> plt.Figure:
@@ -160,7 +164,9 @@ class Stages:
         for colour, name in ((LANE, "lane"), (EDGE, "road edge"), (REFUSED, "refused")):
             ax.plot([], [], color=colour, label=name)
         ax.legend(loc="upper left", bbox_to_anchor=(1.02, 1), frameon=False)
-        ax.set(xlabel="n [m]", ylabel="s [m]", xlim=self._extent[:2], ylim=(self._extent[2], self._extent[3] + 2))
+        ax.set(
+            xlabel="n [m]", ylabel="s [m]", xlim=self._extent[:2], ylim=(self._extent[2], self._extent[3] + 2)
+        )
         return figure
 
     @property
