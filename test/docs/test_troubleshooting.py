@@ -54,7 +54,7 @@ def raised() -> set[str]:
 
 
 def sentences(tree: ast.AST, min_words: int = MIN_WORDS) -> set[str]:
-    """Return the strings of so many words in a piece of code that are no docstrings and no parts of others."""
+    """Return the strings of so many words in some code that are no docstrings, no parts of others."""
     found = [node for node in ast.walk(tree) if isinstance(node, (ast.Constant, ast.JoinedStr))]
     documentation = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     parts = {id(part) for node in found if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
