@@ -48,7 +48,6 @@ setup(
         "fit": ["scipy"],
         "bench": ["matplotlib", "scikit-image", "scipy"],
         "docs": [
-            OPENCV,
             "matplotlib",
             "myst-parser>=4",
             "sphinx>=8",
