@@ -13,6 +13,7 @@ PAGE = ROOT / "docs" / "troubleshooting.md"
 HOLE = "…"  # stands for a value
 MIN_WORDS = 3  # fewer are a name or a key; in a verdict, none is
 
+NODE = "lane_dp_ros.ros.lane_detector_node"
 # What goes wrong is raised; what is seen of the road and the calibration is told by these.
 TELLING = ("core/monitoring/*.py", "core/detector.py", "core/pipeline.py", "core/tracking/road_filter.py")
 # A caller's mistake that the node does not make: arrays of a wrong shape, a preset of another name.
@@ -35,6 +36,19 @@ def files(*patterns: str) -> Iterator[tuple[str, ast.Module]]:
             yield name, ast.parse(path.read_text(encoding="utf-8"))
 
 
+def imported(module: str, found: set[Path]) -> set[Path]:
+    """Add to `found` the file of a module of the package, and those of all that it imports."""
+    path = ROOT.joinpath(*module.split(".")).with_suffix(".py")
+    if path in found or not path.exists():
+        return found
+    found.add(path)
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("lane_dp_ros"):
+            for name in [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]:
+                imported(name, found)
+    return found
+
+
 def without_writers(tree: ast.Module) -> Iterator[ast.AST]:
     """Yield the nodes of a file but for those of `x_to_ros`, which get what the node itself has made."""
     for part in tree.body:
@@ -43,10 +57,12 @@ def without_writers(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def raised() -> set[str]:
-    """Return the messages of all ValueErrors that a pair, a calibration or a parameter can cause."""
+    """Return the messages of all ValueErrors in what the node imports."""
+    of_the_node = {path.relative_to(CODE).as_posix() for path in imported(NODE, set())}
     return {
         template(node.exc.args[0])
-        for _, tree in files("core/**/*.py", "messages/*.py", "ros/*.py")
+        for name, tree in files("**/*.py")
+        if name in of_the_node
         for node in without_writers(tree)
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call)
         if getattr(node.exc.func, "id", "") == "ValueError"
