@@ -19,6 +19,7 @@ HERE = Path(__file__).resolve().parent
 PICTURES = HERE / "_pictures"
 PAGE = HERE / "results.md"
 DETECTORS = {"Ours": "#1f77b4", "Ours, paper preset": "#ff9d45", "The baseline": "#9a9a9a"}
+NUMBER = r"-|[-+]?\d[\d.]*"  # "-" stands where there is nothing to count
 MEASURES = ("precision", "recall", "detection precision")
 STYLE = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "svg.hashsalt": "lane_dp_ros"}
 
@@ -44,14 +45,12 @@ def text_rows(text: str) -> Rows:
 
 def markdown_rows(text: str) -> Rows:
     """Return the numbers of each row of the Markdown tables in a text, by the row's first cell."""
-    lines = [line.strip("| \n").split("|") for line in text.splitlines() if line.startswith("|")]
-    cells = {line[0].strip(): [cell.strip() for cell in line[1:]] for line in lines}
-    return {
-        name: tuple(map(_number, values))
-        for name, values in cells.items()
-        if all(re.fullmatch(r"-|[-\d.]+", value) for value in values) and any(map(str.strip, values))
-        if not set(name) <= {"-"}
-    }
+    rows: Rows = {}
+    for line in text.splitlines():
+        name, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+        if cells and all(re.fullmatch(NUMBER, cell) for cell in cells):
+            rows[name] = tuple(map(_number, cells))
+    return rows
 
 
 def draw_labelled(path: Path) -> None:
