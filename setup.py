@@ -47,6 +47,15 @@ setup(
         ],
         "fit": ["scipy"],
         "bench": ["matplotlib", "scikit-image", "scipy"],
+        "docs": [
+            "matplotlib",
+            "myst-parser>=4",
+            "sphinx>=8",
+            "sphinx-argparse>=0.5",
+            "sphinx-copybutton",
+            "sphinx-rtd-theme>=3",
+            "sphinxcontrib-mermaid",
+        ],
         "lint": ["import-linter==2.11", "mypy==2.4.1", "ruff==0.17.6"],
     },
     entry_points={

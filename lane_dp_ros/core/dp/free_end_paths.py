@@ -4,6 +4,7 @@
 
 The paper's Algorithm 2 has every path cross the whole picture, and charges lambda * j^2 for each step
 aside, so that a curved line pays although it is smooth. Here
+
 - a node is (row, column, slope), and only a *change* of slope costs;
 - what is summed is a gain that may be negative, and a path starts and ends where it gains most: the start
   and the destination node of a lane, which the paper names as its future work (1).
@@ -113,7 +114,7 @@ class FreePaths:
 def free_paths(gain: ArrayLike, bend_penalty: float) -> FreePaths:
     """Find the best paths with free start and free end to all nodes of a graph, rows in the order given.
 
-    With j = i - slopes // 2 the slope [columns a row] of index i,
+    With j = i - slopes // 2 the slope [columns a row] of index i::
 
         E(r, j, u) = gain(r, j, u)
             + max(0, max over |j' - j| <= 1 of E(r - 1, j', u - j') - bend_penalty * |j' - j|)
