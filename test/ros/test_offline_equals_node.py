@@ -17,7 +17,7 @@ from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
 from lane_dp_ros.scenes import CAMERA, render_sequence
 from lane_dp_ros.tools.datasets.kitti import load_pairs, read_odometry
-from lane_dp_ros.tools.offline import detect_bag
+from lane_dp_ros.tools.offline.detect_bag import detect_bag
 
 FRAME_NS = 100_000_000
 P_LEFT = CAMERA.P_left
