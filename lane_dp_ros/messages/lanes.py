@@ -22,7 +22,6 @@ COLOURS: dict[LaneRole, RGB] = {
     "other": (1.0, 0.8, 0.1),
 }
 ROAD_EDGE_COLOUR: RGB = (0.8, 0.3, 0.9)
-RESOLUTION = 2.0**-13  # m, 0.12 mm: coordinates are multiples of it, so that a bag compresses to a third
 ROAD_EDGE_WIDTH = 0.05  # m; it has no paint, but RViz shows no line without a width
 ROAD_EDGE_NAMESPACES: dict[LaneRole, str] = {
     "ego_left": "road_edge_left",
@@ -61,7 +60,6 @@ def _marker_array(namespace: str, lanes: tuple[Lane, ...], header: Any, make: Ma
 def _marker(lane: Lane, header: Any, make: Make, lifetime: Any) -> Any:
     is_edge = lane.kind == "edge"
     red, green, blue = lane_colour(lane)
-    points = np.rint(lane.points / RESOLUTION) * RESOLUTION
     return make(
         "visualization_msgs/msg/Marker",
         header=header,
@@ -73,7 +71,7 @@ def _marker(lane: Lane, header: Any, make: Make, lifetime: Any) -> Any:
         scale=make("geometry_msgs/msg/Vector3", x=ROAD_EDGE_WIDTH if is_edge else float(lane.paint_width)),
         color=make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=float(lane.confidence)),
         lifetime=lifetime,
-        points=[make("geometry_msgs/msg/Point", x=x, y=y, z=z) for x, y, z in points.tolist()],
+        points=[make("geometry_msgs/msg/Point", x=x, y=y, z=z) for x, y, z in lane.points.tolist()],
         text=paint_to_text(Paint(lane.kind, lane.colour, lane.sides)),
     )
 

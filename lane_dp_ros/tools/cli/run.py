@@ -24,7 +24,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     _add_outputs(command)
     add_config(command)
     add_jobs(command, default=1)
-    command.set_defaults(run=run)
+    command.set_defaults(run=run, usage_error=command.error)
 
 
 def _add_outputs(command: argparse.ArgumentParser) -> None:
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.force,
     )
     if not outputs.paths:
-        raise CommandError("nothing to write: name an output, -o OUT, --video, --csv or --parquet")
+        arguments.usage_error("nothing to write: name an output, -o OUT, --video, --csv or --parquet")
     config = load_config(arguments.preset, arguments.config)
     if len(arguments.bags) > 1 or arguments.skip_existing:
         _run_many(arguments, outputs, config)

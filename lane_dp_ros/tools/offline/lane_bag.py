@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.pipeline import FrameResult
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.image import compressed_image_to_ros, image_to_ros
@@ -19,6 +20,7 @@ from lane_dp_ros.messages.pictures import draw_birds_eye, draw_overlay
 from lane_dp_ros.messages.stereo_bag import BagPair
 from lane_dp_ros.messages.stereo_sync import SIDES
 
+RESOLUTION = 2.0**-13  # m, 0.12 mm: coordinates are multiples of it, and a bag compresses to a third
 Pictures = Literal["jpeg", "raw", "none"]
 
 
@@ -39,8 +41,9 @@ class LaneBag:
     def write(self, pair: BagPair, answer: FrameResult) -> None:
         """Write an answer under the time at which its pair was recorded."""
         header = pair.pair.left.header
-        self._write("lanes", pair, lanes_to_ros(answer.lanes, header, bag_message, self.lifetime))
-        edges = road_edges_to_ros(answer.road_edges, header, bag_message, self.lifetime)
+        lanes = lanes_to_ros(_rounded(answer.lanes), header, bag_message, self.lifetime)
+        edges = road_edges_to_ros(_rounded(answer.road_edges), header, bag_message, self.lifetime)
+        self._write("lanes", pair, lanes)
         self._write("road_edges", pair, edges)
         for side, info in zip(SIDES, pair.infos, strict=True):
             self._write(f"{side}/camera_info", pair, info)
@@ -65,3 +68,7 @@ class LaneBag:
 
     def _write(self, name: str, pair: BagPair, message: Any) -> None:
         self.writer.write(f"{self.namespace}/{name}", pair.time_ns, message)
+
+
+def _rounded(lanes: tuple[Lane, ...]) -> tuple[Lane, ...]:
+    return tuple(replace(lane, points=np.rint(lane.points / RESOLUTION) * RESOLUTION) for lane in lanes)

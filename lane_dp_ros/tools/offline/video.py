@@ -35,7 +35,7 @@ def video(path: Path, force: bool = False) -> Iterator[LaneVideo]:
 
 
 class LaneVideo:
-    """Writes an .mp4 of pictures of one size, as fast as the pairs were taken in the median."""
+    """Writes an .mp4 of pictures, all in the size of the first, as fast as they were taken in the median."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -45,14 +45,16 @@ class LaneVideo:
 
     def write(self, pair: BagPair, answer: FrameResult) -> None:
         """Append the left image of a pair with its lanes and road edges."""
-        if answer.camera is None:
-            return
-        lines = answer.lanes + answer.road_edges
-        picture = draw_overlay(answer.frame.left, lines, answer.camera)
+        if answer.camera is not None:
+            lines = answer.lanes + answer.road_edges
+            self.append(pair.pair.stamp_ns, draw_overlay(answer.frame.left, lines, answer.camera))
+
+    def append(self, stamp_ns: int, picture: NDArray[np.uint8]) -> None:
+        """Append a picture (H, W, 3) BGR that was taken at `stamp_ns`."""
         if self._writer is not None:
             self._append(picture)
             return
-        self._waiting.append((pair.pair.stamp_ns, picture))
+        self._waiting.append((stamp_ns, picture))
         if len(self._waiting) > PERIODS:
             self._open()
 
@@ -67,7 +69,7 @@ class LaneVideo:
         """Begin the file, now that the rate is known, with the pictures so far."""
         pictures = [picture for _, picture in self._waiting]
         rate = _rate([stamp for stamp, _ in self._waiting])
-        self._size = (pictures[0].shape[1], pictures[0].shape[0])
+        self._size = (pictures[0].shape[1] // 2 * 2, pictures[0].shape[0] // 2 * 2)  # the codec's
         self._writer = cv2.VideoWriter(str(self._path), cv2.VideoWriter.fourcc(*CODEC), rate, self._size)
         if not self._writer.isOpened():
             raise CommandError(f"this OpenCV, {cv2.__version__}, cannot write {CODEC} to {self._path.name}")
@@ -77,9 +79,11 @@ class LaneVideo:
 
     def _append(self, picture: NDArray[np.uint8]) -> None:
         assert self._writer is not None
-        if picture.shape[1::-1] != self._size:  # else OpenCV leaves it out without a word
-            picture = np.asarray(cv2.resize(picture, self._size), np.uint8)
-        self._writer.write(picture)
+        columns, rows = self._size
+        fitting = picture[:rows, :columns]
+        if fitting.shape[:2] != (rows, columns):  # else OpenCV leaves it out without a word
+            fitting = np.asarray(cv2.resize(picture, self._size), np.uint8)
+        self._writer.write(fitting)
 
 
 def _rate(stamps_ns: list[int]) -> float:
