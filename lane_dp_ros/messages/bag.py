@@ -129,18 +129,24 @@ class BagWriter:
             raise
         return self
 
-    def write(self, topic: str, time_ns: int, message: Any) -> None:
-        """Append a message made by `bag_message`."""
+    def write(self, topic: str, time_ns: int, message: Any, latched: bool = False) -> None:
+        """Append a message made by `bag_message`.
+
+        A `latched` topic is one whose last message those get who come later, as of /tf_static.
+        """
         type_name = message.__msgtype__
         data = bytes(typestore().serialize_cdr(message, type_name))
-        self.write_raw(RawMessage(topic, type_name, time_ns, data))
+        self.write_raw(RawMessage(topic, type_name, time_ns, data), latched)
 
-    def write_raw(self, raw: RawMessage) -> None:
+    def write_raw(self, raw: RawMessage, latched: bool = False) -> None:
         """Append a serialised message."""
         with _writable(self.path):
             if raw.topic not in self._connections:
                 self._connections[raw.topic] = self._writer.add_connection(
-                    raw.topic, raw.type_name, typestore=typestore()
+                    raw.topic,
+                    raw.type_name,
+                    typestore=typestore(),
+                    offered_qos_profiles=[_latched()] if latched else [],
                 )
             self._writer.write(self._connections[raw.topic], raw.time_ns, raw.data)
 
@@ -195,6 +201,23 @@ def _readable(path: Path) -> Iterator[None]:
         yield
     except Exception as error:
         raise CommandError(f"{path} cannot be read (damaged or cut off?): {one_line(error)}") from error
+
+
+def _latched() -> Any:
+    """Return the QoS of a topic that is published once: reliable and transient local."""
+    from rosbags.interfaces import (
+        Qos,
+        QosDurability,
+        QosHistory,
+        QosLiveliness,
+        QosReliability,
+        QosTime,
+    )
+
+    ever = QosTime(2147483647, 4294967295)
+    reliable, local = QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL
+    automatic = QosLiveliness.AUTOMATIC
+    return Qos(QosHistory.KEEP_LAST, 1, reliable, local, ever, ever, automatic, ever, False)
 
 
 @contextmanager

@@ -114,7 +114,7 @@ def _render(writer: BagWriter) -> None:
     P_left = scenes.CAMERA.P_left
     P_right = P_left.copy()
     P_right[0, 3] -= scenes.CAMERA.fx * scenes.CAMERA.baseline
-    bag = StereoBagWriter(writer, P_left, P_right)
+    bag = StereoBagWriter(writer, P_left, P_right, camera_height=scenes.Road().camera_height)
     for pair in progress(scenes.render_sequence(FRAMES, RATE, SEED), FRAMES, "pair"):
         bag.write(pair)
 

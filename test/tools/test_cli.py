@@ -57,7 +57,7 @@ def test_convert(tmp_path, capsys, options) -> None:
     assert convert(sequence(tmp_path), tmp_path / "bag", *options) == 0
     assert "3 pairs from" in capsys.readouterr().out
     with BagReader(tmp_path / "bag") as reader:
-        assert reader.message_count() == 12
+        assert reader.message_count() == 13
         assert ("/left/image_rect/compressed" in reader.topics) == ("--jpeg" in options)
 
 
@@ -113,7 +113,7 @@ def test_the_input_is_never_replaced_by_the_output(tmp_path, capsys, inside) -> 
     assert main(["run", str(given), "-o", str(tmp_path / "x/../bag"), "--force"]) == 1
     assert "is the input bag itself" in only_line(capsys)
     with BagReader(bag) as reader:
-        assert reader.message_count() == 12
+        assert reader.message_count() == 13
 
 
 def test_a_failed_convert_leaves_nothing(tmp_path, capsys) -> None:

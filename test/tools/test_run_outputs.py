@@ -3,7 +3,9 @@
 """lane_dp run: what it writes is read by others, is whole or not there, and comes of many bags at once."""
 
 import csv
+import json
 import os
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -23,6 +25,8 @@ from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.tools import progress as progress_module
 from lane_dp_ros.tools.cli import main
+
+CONFIG = Path(__file__).resolve().parents[2] / "config"
 
 
 @pytest.fixture
@@ -198,3 +202,18 @@ def test_a_log_gets_a_plain_line_now_and_then(monkeypatch, capsys) -> None:
     monkeypatch.setattr(progress_module, "LOG_PERIOD", 30.0)
     list(progress_module.progress(iter("abc"), 3, "pair"))
     assert capsys.readouterr().err == ""
+
+
+def test_the_foxglove_layout_shows_what_run_writes(write_stereo_bag, scene_pairs, tmp_path) -> None:
+    layout = json.loads((CONFIG / "foxglove_lanes.json").read_text())
+    assert run(write_stereo_bag(scene_pairs[:1]), "-o", tmp_path / "out.mcap", "--left-image") == 0
+    with BagReader(tmp_path / "out.mcap") as reader:
+        there = set(reader.topics)
+    panels = layout["configById"]
+    shown = {topic for panel in panels.values() for topic in panel.get("topics", {})}
+    for panel in panels.values():
+        modes = panel.get("imageMode", {})
+        shown |= {modes[key] for key in ("imageTopic", "calibrationTopic") if key in modes}
+    assert {"/lanes", "/road_edges", "/ipm/image/compressed", "/left/image_rect/compressed"} <= shown <= there
+    placed = re.findall(r'"((?:3D|Image)![a-z]+)"', json.dumps(layout["layout"]))
+    assert sorted(placed) == sorted(panels)
