@@ -37,6 +37,8 @@ setup(
         "ros": [OPENCV, "pyyaml", "ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
         "test": [
             "hypothesis",
+            "mcap-ros2-support",
+            "pyarrow",
             "pytest",
             "pytest-cov",
             "pytest-xdist",
@@ -46,6 +48,7 @@ setup(
             "selenium",
         ],
         "fit": ["scipy"],
+        "parquet": ["pyarrow"],
         "bench": ["matplotlib", "scikit-image", "scipy"],
         "docs": [
             "matplotlib",
