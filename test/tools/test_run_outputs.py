@@ -3,6 +3,7 @@
 """lane_dp run: what it writes is read by others, is whole or not there, and comes of many bags at once."""
 
 import csv
+import importlib.util
 import json
 import os
 import re
@@ -217,3 +218,14 @@ def test_the_foxglove_layout_shows_what_run_writes(write_stereo_bag, scene_pairs
     assert {"/lanes", "/road_edges", "/ipm/image/compressed", "/left/image_rect/compressed"} <= shown <= there
     placed = re.findall(r'"((?:3D|Image)![a-z]+)"', json.dumps(layout["layout"]))
     assert sorted(placed) == sorted(panels)
+
+
+def test_a_recording_for_rerun(bag, tmp_path, capsys) -> None:
+    if importlib.util.find_spec("rerun") is None:
+        assert run(bag, "--rerun", tmp_path / "out.rrd") == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith("pip install rerun-sdk")
+        assert not (tmp_path / "out.rrd").exists()
+        return
+    assert run(bag, "--rerun", tmp_path / "out.rrd") == 0
+    assert (tmp_path / "out.rrd").read_bytes()[:3] == b"RRF"

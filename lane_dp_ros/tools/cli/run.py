@@ -36,6 +36,8 @@ def _add_outputs(command: argparse.ArgumentParser) -> None:
     command.add_argument("--csv", type=Path, metavar="FILE", help=csv)
     parquet = "the same with all points, for pandas, polars or duckdb; needs pyarrow"
     command.add_argument("--parquet", type=Path, metavar="FILE", help=parquet)
+    rerun = "a recording for Rerun's viewer; needs rerun-sdk"
+    command.add_argument("--rerun", type=Path, metavar="FILE", help=rerun)
     pictures = command.add_mutually_exclusive_group()
     jpeg = "pictures in OUT as JPEG, on overlay/image/compressed and ipm/image/compressed: the default"
     pictures.add_argument(
@@ -66,12 +68,13 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.video,
         arguments.csv,
         arguments.parquet,
+        arguments.rerun,
         arguments.pictures,
         arguments.left_image,
         arguments.force,
     )
     if not outputs.paths:
-        arguments.usage_error("nothing to write: name an output, -o OUT, --video, --csv or --parquet")
+        arguments.usage_error("nothing to write: name an output: -o OUT, --video, --csv, --parquet, --rerun")
     config = load_config(arguments.preset, arguments.config)
     if len(arguments.bags) > 1 or arguments.skip_existing:
         _run_many(arguments, outputs, config)

@@ -18,6 +18,7 @@ from lane_dp_ros.messages.stereo_bag import find_stereo_topics
 from lane_dp_ros.tools.offline.detect_bag import Output, detect_bag
 from lane_dp_ros.tools.offline.lane_bag import LaneBag, Pictures
 from lane_dp_ros.tools.offline.line_table import csv_table, parquet_table
+from lane_dp_ros.tools.offline.rerun_file import rerun_file
 from lane_dp_ros.tools.offline.summary import Summary
 from lane_dp_ros.tools.offline.video import video
 
@@ -30,6 +31,7 @@ class Outputs:
     video: Path | None = None
     csv: Path | None = None
     parquet: Path | None = None
+    rerun: Path | None = None
     pictures: Pictures = "jpeg"
     left_image: bool = False
     force: bool = False
@@ -47,12 +49,14 @@ class Outputs:
             video=inside(self.video, ".mp4"),
             csv=inside(self.csv, ".csv"),
             parquet=inside(self.parquet, ".parquet"),
+            rerun=inside(self.rerun, ".rrd"),
         )
 
     @property
     def paths(self) -> list[Path]:
         """Those that are wanted."""
-        return [path for path in (self.bag, self.video, self.csv, self.parquet) if path is not None]
+        wanted = (self.bag, self.video, self.csv, self.parquet, self.rerun)
+        return [path for path in wanted if path is not None]
 
     def opened(self, stack: ExitStack, namespace: str, lifetime: float) -> Iterator[Output]:
         """Open what is wanted on `stack`; topics get `namespace`, lanes a `lifetime` [s]."""
@@ -65,6 +69,8 @@ class Outputs:
             yield stack.enter_context(csv_table(self.csv, self.force))
         if self.parquet is not None:
             yield stack.enter_context(parquet_table(self.parquet, self.force))
+        if self.rerun is not None:
+            yield stack.enter_context(rerun_file(self.rerun, self.force))
 
 
 def run_bag(bag: Path, outputs: Outputs, config: tuple[NodeConfig, DetectorConfig], jobs: int = 1) -> Summary:
