@@ -109,7 +109,7 @@ def _write(arguments: argparse.Namespace, evaluation: Evaluation, choice: Detect
     for note in evaluation.notes:
         print(f"note: {note}")
     if arguments.json is not None:
-        write_json(evaluation.results, evaluation.notes, arguments.json)
+        write_json(evaluation.results, evaluation.notes, arguments.json, arguments.input or arguments.surface)
     if arguments.report is not None:
         print(f"report: {_write_report(arguments, evaluation, choice)}")
 
@@ -120,4 +120,4 @@ def _write_report(arguments: argparse.Namespace, evaluation: Evaluation, choice:
     if arguments.surface is not None:
         return write_surface_report(evaluation.results, arguments.surface, arguments.report)
     config = choice.configs[1] if choice.given else None
-    return write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)
+    return write_report(evaluation.results, arguments.input, arguments.report, config)

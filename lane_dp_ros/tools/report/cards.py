@@ -12,8 +12,8 @@ import numpy as np
 
 from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.failures import Kind, failures, is_papers
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
-from lane_dp_ros.tools.report.failures import Kind, failures, is_papers
 from lane_dp_ros.tools.report.frame_images import FrameImages
 from lane_dp_ros.tools.report.pictures import LANE_STATES, judged_with, label_state, pictures
 
@@ -28,14 +28,14 @@ BADGES: dict[Kind, str] = {
 }
 
 
-def card(place: int, result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:
+def card(place: int, result: FrameScore, images: FrameImages) -> str:
     """Return the card of a frame as HTML; `place` is its number among the worst."""
     note = f'<p class="note">{escape(images.note)}</p>' if images.note else ""
     return (
         f'<article class="frame" id="frame-{place}"><header><h3>{place}. {escape(result.name)}</h3>'
         f"{_badges(result)}</header>{note}"
-        f'<div class="pictures">{pictures(result, frame, images)}'
-        f'<div class="words">{_labels(result, frame, images.detection)}{_lanes(result)}{_road_edges(result)}'
+        f'<div class="pictures">{pictures(result, images)}'
+        f'<div class="words">{_labels(result, images.detection)}{_lanes(result)}{_road_edges(result)}'
         "</div></div></article>"
     )
 
@@ -51,7 +51,8 @@ def _badges(result: FrameScore) -> str:
     return (badges or '<span class="badge right">no failure</span>') + category
 
 
-def _labels(result: FrameScore, frame: LabelledFrame | None, detection: LaneDetection | None) -> str:
+def _labels(result: FrameScore, detection: LaneDetection | None) -> str:
+    frame = result.truth
     if frame is None:
         return _list("Labels", "<li>none: this road is known to have no paint</li>")
     rows = "".join(_label(label, result, frame, detection) for label in frame.labels)

@@ -31,7 +31,7 @@ DRAWN = "overlay/image"  # what `lane_dp run` writes beside its lanes
 class FrameImages:
     """What can be shown of a frame: the left image, and what led the detector to its lanes.
 
-    `camera` projects the frame's lanes, None: that of the truth. `note` says why something is not there.
+    `camera` is that of the image, None where it is not known. `note` says why something is not there.
     """
 
     left: Image8 | None = None
@@ -40,12 +40,9 @@ class FrameImages:
     note: str = ""
 
 
-Shown = tuple[FrameScore, LabelledFrame | None]
-
-
 def frame_images(
-    source: Path, shown: Sequence[Shown], config: DetectorConfig
-) -> Iterator[tuple[Shown, FrameImages]]:
+    source: Path, shown: Sequence[FrameScore], config: DetectorConfig
+) -> Iterator[tuple[FrameScore, FrameImages]]:
     """Yield each frame to show with what there is of it, in any order, no more than one at a time.
 
     `source` is what was judged: a bag, a folder that `lane_dp scenes` wrote, or a folder of images. The
@@ -54,7 +51,7 @@ def frame_images(
     if (source / SCENES_BAG).exists():
         source = source / SCENES_BAG
     if source.is_dir() and not (source / "metadata.yaml").exists():
-        yield from ((each, _images_of_files(source, each[1], config)) for each in shown)
+        yield from ((each, _images_of_files(source, each.truth, config)) for each in shown)
     else:
         with BagReader(source) as reader:
             yield from _images_of_bag(reader, shown, config)
@@ -72,9 +69,9 @@ def _images_of_files(root: Path, frame: LabelledFrame | None, config: DetectorCo
 
 
 def _images_of_bag(
-    reader: BagReader, shown: Sequence[Shown], config: DetectorConfig
-) -> Iterator[tuple[Shown, FrameImages]]:
-    missing = {each[0].stamp_ns: each for each in shown}
+    reader: BagReader, shown: Sequence[FrameScore], config: DetectorConfig
+) -> Iterator[tuple[FrameScore, FrameImages]]:
+    missing = {each.stamp_ns: each for each in shown}
     find = _pairs if _has_pairs(reader) else _drawn_images
     for stamp_ns, images in find(reader, missing.__contains__, config):
         yield missing.pop(stamp_ns), images

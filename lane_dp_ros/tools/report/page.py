@@ -14,12 +14,11 @@ from string import Template
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
+from lane_dp_ros.tools.evaluation.failures import failures, worst_first
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.progress import progress
 from lane_dp_ros.tools.report.cards import card
-from lane_dp_ros.tools.report.failures import failures, worst_first
 from lane_dp_ros.tools.report.frame_images import frame_images
 from lane_dp_ros.tools.report.plots import plots
 from lane_dp_ros.tools.report.tables import reasons, tables, tiles
@@ -31,27 +30,22 @@ GALLERY = 30  # frames
 
 
 def write_report(
-    results: Sequence[FrameScore],
-    frames: Sequence[LabelledFrame],
-    source: Path,
-    directory: Path,
-    config: DetectorConfig | None = None,
+    results: Sequence[FrameScore], source: Path, directory: Path, config: DetectorConfig | None = None
 ) -> Path:
     """Write the page of an evaluation to `directory`/index.html, with a progress bar; return its path.
 
-    `frames` is the truth, empty for a road known to have no paint; `source` the bag or folder that was
-    judged, from which the worst frames' images come; `config` what the detector looks at them with once
-    more. Raises CommandError where the page cannot be written, see `check_report_output`.
+    `source` is the bag or folder that was judged, from which the worst frames' images come; `config` what the
+    detector looks at them with once more. Raises CommandError where the page cannot be written, see
+    `check_report_output`.
     """
     check_report_output(directory)
-    truth = {frame.name: frame for frame in frames}
-    worst = [(result, truth.get(result.name)) for result in worst_first(results)[:GALLERY]]
-    places = {result.name: place for place, (result, _) in enumerate(worst, 1)}
+    worst = worst_first(results)[:GALLERY]
+    places = {result.name: place for place, result in enumerate(worst, 1)}
     cards: dict[int, str] = {}
     found = frame_images(source, worst, config or DetectorConfig())
-    for (result, frame), images in progress(found, len(worst), "frame"):
+    for result, images in progress(found, len(worst), "frame"):
         place = places[result.name]
-        cards[place] = card(place, result, frame, images)
+        cards[place] = card(place, result, images)
     parameters = "the detector's default parameters" if config is None else "the parameters given"
     page = _page(results, source, [cards[place] for place in sorted(cards)], parameters)
     return write_page(page, directory)

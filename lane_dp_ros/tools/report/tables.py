@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from lane_dp_ros.tools.evaluation.depth import DEPTHS
+from lane_dp_ros.tools.evaluation.failures import UNKNOWN, Kind, counts_by_reason
 from lane_dp_ros.tools.evaluation.paint_kinds import PaintSummary, confusion_rows, is_told
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import Summary, by_category, by_sequence
@@ -21,7 +22,6 @@ from lane_dp_ros.tools.evaluation.value_columns import (
     ValueColumn,
     value_cells,
 )
-from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
 
 PAPER_COLUMNS = COLUMNS[:4]
 FIRST_ERROR = [column.attribute for column in COLUMNS].index("near_error")

@@ -26,7 +26,7 @@ def report(tmp_path_factory, results, frames) -> Path:
         bag = StereoBagWriter(writer, P_LEFT, P_RIGHT)
         for frame in frames[:3]:
             bag.write(StereoImages(frame.stamp_ns, noise, noise))
-    return write_report(results, frames, folder / "noise", folder / "out")
+    return write_report(results, folder / "noise", folder / "out")
 
 
 @pytest.fixture(params=WIDTHS)
