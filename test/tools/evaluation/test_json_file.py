@@ -20,7 +20,7 @@ from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
 
 @pytest.fixture(scope="module")
 def scores(scene_pairs):
-    """Judged frames of every sort: rendered ones with all that is known, and what a road without paint has."""
+    """Judged frames: rendered ones with all that is known, and one of a road without paint."""
     detector = LaneDetector(CAMERA, preset("default"))
     judged = []
     for i, pair in enumerate(scene_pairs):

@@ -11,8 +11,7 @@ import pytest
 
 from lane_dp_ros.scenes import CAMERA, Road, render_pair
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.cli.tables import BASELINE
-from lane_dp_ros.tools.evaluation.detectors import file_detector
+from lane_dp_ros.tools.evaluation.detectors import baseline_detector
 from lane_dp_ros.tools.evaluation.labelled_pairs import load_pairs
 from lane_dp_ros.tools.evaluation.matching import judge
 from lane_dp_ros.tools.evaluation.papers_tables import OURS, papers_tables
@@ -161,14 +160,6 @@ def test_a_detector_that_is_not_there(folder, capsys) -> None:
     assert "none.py is no Python file" in failure(capsys, folder, "--detector", folder / "none.py")
 
 
-def test_without_the_source_tree(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("lane_dp_ros.tools.cli.tables.BASELINE", folder / "not_installed.py")
-    assert main(["tables", str(folder), "--jobs", "1"]) == 0
-    out = capsys.readouterr().out
-    assert "no baseline: not_installed.py is not installed" in out
-    assert len(row(out, "street")) == 4 * 4
-
-
 def test_nothing_to_judge(tmp_path, write_stereo_bag, scene_pairs, capsys) -> None:
     assert "no such folder or bag" in failure(capsys, tmp_path / "x")
     assert "none of the paper's drives is in it" in failure(capsys, tmp_path)
@@ -203,7 +194,7 @@ def test_the_total_of_the_five_takes_all_five() -> None:
 
 
 def test_the_baseline_finds_straight_lines() -> None:
-    baseline = file_detector(BASELINE)
+    baseline = baseline_detector()
     assert "reading" in baseline.name
     pair = render_pair(Road(swing=0.0), position=50.0, seed=3)
     result = judge(pair.truth, baseline.detect(pair.left, pair.right, CAMERA), CAMERA)
@@ -215,11 +206,11 @@ def test_the_baseline_finds_straight_lines() -> None:
 @pytest.mark.parametrize("level", [0, 255])
 def test_the_baseline_finds_nothing_in_nothing(level) -> None:
     image = np.full((375, 1242), level, np.uint8)
-    assert file_detector(BASELINE).detect(image, image, CAMERA) == ()
+    assert baseline_detector().detect(image, image, CAMERA) == ()
 
 
 def test_the_baseline_is_no_straw_man(kitti_data) -> None:
-    baseline = file_detector(BASELINE)
+    baseline = baseline_detector()
     _, pairs = load_pairs(kitti_data, kitti_data / "labels/lanes.json")
     results = [
         judge(p.frame, baseline.detect(*p.load(), p.frame.camera), p.frame.camera)
