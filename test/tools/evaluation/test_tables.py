@@ -2,6 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """lane_dp tables: what is judged, what is missing, and the baseline that stands beside ours."""
 
+import os
+import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +23,7 @@ from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.truth_file import save_truth
 
 DRIVE = "2011_09_26_drive_0027"
+SOURCE = Path(__file__).resolve().parents[3]
 NOON = 1317038400  # 2011-09-26 12:00:00 UTC
 
 
@@ -158,6 +163,35 @@ def test_a_detector_that_does_not_work(folder, detector, capsys, body, message) 
 
 def test_a_detector_that_is_not_there(folder, capsys) -> None:
     assert "none.py is no Python file" in failure(capsys, folder, "--detector", folder / "none.py")
+
+
+@pytest.fixture(scope="module")
+def installed_package(tmp_path_factory) -> Path:
+    """Return a folder with what setup.py installs, and nothing else of the source tree."""
+    pytest.importorskip("setuptools", reason="packages are built by it: pip install setuptools")
+    copy = tmp_path_factory.mktemp("source") / "copy"  # a build leaves files in its tree
+    shutil.copytree(
+        SOURCE / "lane_dp_ros", copy / "lane_dp_ros", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    shutil.copy(SOURCE / "setup.py", copy)
+    build = [sys.executable, "setup.py", "--quiet", "build_py", "--build-lib", str(copy.parent / "installed")]
+    subprocess.run(build, cwd=copy, check=True, capture_output=True)
+    return copy.parent / "installed"
+
+
+def test_an_installed_package_needs_no_source_tree(folder, installed_package, tmp_path_factory) -> None:
+    empty = tmp_path_factory.mktemp("empty")
+    environment = {**os.environ, "PYTHONPATH": str(installed_package)}
+    evaluation = ["evaluate", folder, "--truth", folder / "truth.json", "--report", "report"]
+    for command in (["tables", folder], evaluation):
+        arguments = [sys.executable, "-m", "lane_dp_ros.tools.cli", *map(str, command), "--jobs", "1"]
+        done = subprocess.run(
+            arguments, cwd=empty, env=environment, capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        if command[0] == "tables":
+            assert [row(done.stdout, "street")[i] for i in (0, 4, 8)] == ["4", "4", "4"]  # with the baseline
+    assert [each.name for each in empty.iterdir()] == ["report"]
 
 
 def test_nothing_to_judge(tmp_path, write_stereo_bag, scene_pairs, capsys) -> None:
