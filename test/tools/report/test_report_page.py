@@ -109,7 +109,7 @@ def test_the_page_is_by_itself(page):
 
 
 def test_the_tables_hold_the_summarys_numbers(page, results):
-    paper, today, categories, *_ = page.tables
+    paper, today, categories, *_ = (table for table in page.tables if table[0][0] in ("sequence", "category"))
     total = summarise(results)
     assert paper[0] == ["sequence", "total lanemarkings", "incorrect", "missed", "precision"]
     assert paper[1:] == [["drive", "8", "0", "1", "0.875"], ["total", "8", "0", "1", "0.875"]]
@@ -128,7 +128,7 @@ def test_the_tables_hold_the_summarys_numbers(page, results):
     assert today[-1][7:10] == [
         f"{e:.3f}" for e in (total.localisation_error, total.near_error, total.far_error)
     ]
-    assert today[-1][10:] == ["0", "-", "-"]  # switches, jitter, latency
+    assert today[0][10:] == ["idswitches"] and today[-1][10:] == ["0"]  # neither jitter nor latency
     assert [row[0] for row in categories] == ["category", "kerbs", "over_exposure", "total"]
     assert page.texts("div", "tile")[0].startswith("0.875paper's precision")
 
@@ -142,11 +142,11 @@ def test_the_literatures_measures(page, results):
 
 
 def test_depth_and_3d(page, results):
-    (table,) = (table for table in page.tables if "nosurface" in table[0])
+    (table,) = (table for table in page.tables if "3-D m6-12 m" in table[0])
     total = summarise(results).in_space
-    assert table[0][-4:] == ["3-D m6-12 m", "3-D m12-25 m", "3-D mat 10 m", "3-D mat 25 m"]
+    assert table[0] == ["sequence", "3-D m6-12 m", "3-D m12-25 m", "3-D mat 10 m", "3-D mat 25 m"]
     values = (mean.value for mean in (total.near, total.far, total.at_10, total.at_25))
-    assert table[-1] == ["total", *["-"] * 9, *(f"{value:.3f}" for value in values)]
+    assert table[-1] == ["total", *(f"{value:.3f}" for value in values)]
     assert total.near.value == pytest.approx(0.05 / 9)  # one of nine lines is 0.05 m aside
 
 
@@ -177,9 +177,9 @@ def test_the_page_of_the_surface_alone(tmp_path):
 def test_failures_are_classed(page):
     (table,) = (table for table in page.tables if table[0][0] == "class")
     assert table[1:] == [
-        ["over-exposure", "1", "·", "1", "·", "·"],
-        ["similar objects", "·", "·", "·", "1", "1"],
-        ["not known", "·", "·", "1", "·", "·"],
+        ["over-exposure", "1", "1", "·", "·"],
+        ["similar objects", "·", "·", "1", "1"],
+        ["not known", "·", "1", "·", "·"],
     ]
 
 

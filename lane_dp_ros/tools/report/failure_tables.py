@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What fails, as tables: the worst frames, the paper's classes, the stages at which labels were lost."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import get_args
+
+from lane_dp_ros.tools.evaluation.causes import Cause, Stage
+from lane_dp_ros.tools.evaluation.failures import UNKNOWN, Kind, aside, badness, counts_by_reason, failures
+from lane_dp_ros.tools.evaluation.scores import FrameScore
+from lane_dp_ros.tools.report.html_table import Cell, Marked, html_table
+
+COLUMNS: dict[Kind, str] = {
+    "missed": "missed", "incorrect": "incorrect", "not found": "other labels\nnot found",
+    "false": "false\nlanes", "duplicate": "duplicates",
+}  # fmt: skip
+NONE = "<p>None: every line was found, and none that is not there.</p>"
+
+Causes = Mapping[str, Cause]  # of one frame, by the label's id
+
+
+def worst_frames(worst: Sequence[FrameScore], causes: Sequence[Causes]) -> str:
+    """Return the failing ones of the worst frames, each leading to its card, with the first cause."""
+    rows: dict[str, list[Cell]] = {}
+    links: dict[str, str] = {}
+    for place, (result, known) in enumerate(zip(worst, causes, strict=True), 1):
+        if failures(result):
+            cause = _first_cause(result, known)
+            failing = Marked(_counts(result), "prose", badness(result)[0])
+            rows[result.name] = [failing, Marked(cause, "prose"), Marked(result.category or "-", "prose")]
+            links[result.name] = f"#frame-{place}"
+    if not rows:
+        return NONE
+    return html_table("frame", ["failures", "first cause", "category"], rows, links)
+
+
+def _counts(result: FrameScore) -> str:
+    counts = Counter(failure.kind for failure in failures(result))
+    return ", ".join(f"{counts[kind]} {kind}" for kind in COLUMNS if counts[kind])
+
+
+def _first_cause(result: FrameScore, causes: Causes) -> str:
+    """Return why the gravest failure that is about a label happened, else what the surest wrong line is."""
+    lost = [failure.what for failure in failures(result) if failure.what in causes]
+    if lost:
+        return f"{lost[0]}: {causes[str(lost[0])].words}"
+    wrong = [detection for detection in result.detections if detection.wrong]
+    if not wrong:
+        return "-"
+    surest = max(wrong, key=lambda detection: detection.lane.confidence)
+    return (
+        f"{surest.verdict} line {aside(surest.lane)}, published with confidence {surest.lane.confidence:.2f}"
+    )
+
+
+def reasons(results: Sequence[FrameScore]) -> str:
+    """Return the failures counted by the paper's classes, empty where there are none."""
+    counts = counts_by_reason(results)
+    rows = {name: [_count(counts[name][kind]) for kind in COLUMNS] for name in counts}
+    unknown = "<p>Where the truth names no category, the class is not known.</p>" if UNKNOWN in rows else ""
+    return f"{html_table('class', list(COLUMNS.values()), rows)}{unknown}"
+
+
+def stages(worst: Sequence[FrameScore], causes: Sequence[Causes]) -> str:
+    """Return how many labels of the worst frames were lost at each stage, empty where that is not known."""
+    kinds: tuple[Kind, ...] = ("missed", "incorrect", "not found")
+    lost = Counter(
+        (known[failure.what].stage, failure.kind)
+        for result, known in zip(worst, causes, strict=True)
+        for failure in failures(result)
+        if isinstance(failure.what, str) and failure.what in known
+    )
+    names = [stage for stage in get_args(Stage) if any(lost[stage, kind] for kind in kinds)]
+    rows = {stage: [_count(lost[stage, kind]) for kind in kinds] for stage in names}
+    return html_table("stage", [COLUMNS[kind] for kind in kinds], rows)
+
+
+def _count(count: int) -> str:
+    return str(count) if count else "·"
