@@ -33,10 +33,8 @@ def html_table(title: str, heads: Sequence[str], rows: Rows, links: Mapping[str,
     kept = [i for i in range(len(heads)) if any(_text(row[i]) not in NOTHING for row in rows.values())]
     if not kept:
         return ""
-    columns = [[row[i] for row in rows.values()] for i in kept]
-    head = _head(title) + "".join(
-        _head(heads[i], *column[:1]) for i, column in zip(kept, columns, strict=True)
-    )
+    first = next(iter(rows.values()))
+    head = _head(title) + "".join(_head(heads[i], first[i]) for i in kept)
     body = "".join(
         f"<tr{' class=total' if name == 'total' else ''}>{_row_head(name, links or {})}"
         + "".join(_cell(row[i]) for i in kept) + "</tr>"
@@ -51,7 +49,7 @@ def _text(cell: Cell) -> str:
 
 
 def _head(text: str, below: Cell = "") -> str:
-    """Return the head of a column, in the style of the cell below."""
+    """Return the head of a column, in the style of its first cell."""
     style = f' class="{below.style}"' if isinstance(below, Marked) and below.style else ""
     return f'<th scope="col"{style}>{_broken(text.strip())}</th>'
 

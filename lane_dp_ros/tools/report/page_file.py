@@ -15,7 +15,13 @@ from lane_dp_ros.messages.errors import CommandError
 PAGE = "index.html"
 GENERATOR = '<meta name="generator" content="lane_dp evaluate --report">'  # by which an earlier page is known
 HEAD_BYTES = 2000  # it stands within
-SHARED = {"css": "report.css", "sorting": "tables.js", "enlarging": "pictures.js"}  # what templates take in
+SHARED = {  # what templates take in
+    "css": "report.css",
+    "legend": "legend.html",
+    "dialog": "dialog.html",
+    "sorting": "tables.js",
+    "enlarging": "pictures.js",
+}
 
 
 def check_report_output(directory: Path) -> None:

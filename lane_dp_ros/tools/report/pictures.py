@@ -62,11 +62,11 @@ def pictures(result: FrameScore, images: FrameImages) -> str:
     """
     camera = result.camera or images.camera
     if images.left is None or camera is None:
-        return _plan(result)
+        return plan(result)
     lines = image_lines(result, camera)
-    left = _left_picture(images.left, lines)
+    left = left_picture(images.left, lines)
     if images.detection is None or images.detection.birds_eye is None:
-        return left + _plan(result)
+        return left + plan(result)
     return left + "".join(_views_from_above(images.left, images.detection, lines))
 
 
@@ -94,12 +94,15 @@ def _ahead(points: Floats) -> Floats:
     return points[points[:, 2] > NEAREST]
 
 
-def _left_picture(left: Image8, lines: Iterable[Line]) -> str:
+def left_picture(
+    left: Image8, lines: Iterable[Line], title: str = "Left image", limit: int = LEFT_BYTES
+) -> str:
+    """Return the left image with lines over it as HTML, the picture in at most `limit` bytes."""
     height, width = left.shape[:2]
     small = min(1.0, LEFT_WIDTH / width)
     size = (max(1, round(width * small)), max(1, round(height * small)))
     picture = np.asarray(cv2.resize(left, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    return figure("left", "Left image", (width, height), data_uri(picture, LEFT_BYTES), lines)
+    return figure("left", title, (width, height), data_uri(picture, limit), lines)
 
 
 def _views_from_above(left: Image8, detection: LaneDetection, lines: Sequence[Line]) -> list[str]:
@@ -158,7 +161,7 @@ def _cost_picture(view: BirdsEyeView, detection: LaneDetection) -> Image8:
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
 
 
-def _plan(result: FrameScore) -> str:
+def plan(result: FrameScore, title: str = "From above") -> str:
     """Return labels and lines from above, without any image."""
     left, right, near, far = PLAN
 
@@ -172,4 +175,4 @@ def _plan(result: FrameScore) -> str:
     ]
     lanes = [_lane_line(d, style, place(_ahead(d.lane.points)[:, [0, 2]])) for style, d in _published(result)]
     marks = [(f"{z} m", (far - z) / (far - near)) for z in DISTANCES]
-    return figure("above plan", "From above", (right - left, far - near), "", [*labels, *lanes], marks)
+    return figure("above plan", title, (right - left, far - near), "", [*labels, *lanes], marks)
