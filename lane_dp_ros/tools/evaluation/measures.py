@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 
 from lane_dp_ros.tools.evaluation.summary import Summary
@@ -28,14 +29,18 @@ def _share(name: str, attribute: str, by_group: bool = False) -> Measure:
     return Measure(name, attrgetter(attribute), higher_is_better=True, by_group=by_group)
 
 
+def _failed(attribute: str, summary: Summary) -> float:
+    return float(getattr(summary, attribute)) if summary.ego_labels else math.nan
+
+
 def _switches(summary: Summary) -> float:
     return summary.id_switches if summary.id_chances else math.nan
 
 
 MEASURES = (
     _share("paper's precision", "paper_precision", by_group=True),
-    Measure("incorrect", attrgetter("incorrect"), spec="d"),
-    Measure("missed", attrgetter("missed"), spec="d"),
+    Measure("incorrect", partial(_failed, "incorrect"), spec=".0f"),
+    Measure("missed", partial(_failed, "missed"), spec=".0f"),
     _share("recall", "lane_recall", by_group=True),
     _share("detection precision", "detection_precision", by_group=True),
     _share("strict detection precision", "strict_detection_precision"),

@@ -136,7 +136,7 @@ def _picture(title: str, result: FrameScore, images: FrameImages) -> str:
 
 
 def _tables(comparison: Comparison) -> str:
-    total = {
+    total: dict[str, list[Cell]] = {
         difference.measure.name: [
             *difference.texts,
             Marked(change_text(difference) or "-", difference.verdict, difference.change),
@@ -152,7 +152,7 @@ def _tables(comparison: Comparison) -> str:
 
 def _group_table(title: str, rows: dict[str, list[Difference]]) -> str:
     heads = [difference.measure.name for difference in next(iter(rows.values()))]
-    cells = {
+    cells: dict[str, list[Cell]] = {
         name: [Marked(difference_text(each).rstrip(" +!"), each.verdict, each.change) for each in row]
         for name, row in rows.items()
     }

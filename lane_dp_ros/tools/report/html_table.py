@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import NamedTuple
 
+LONG = 15  # rows; a table of more scrolls in its own frame, or what follows would not be found
 NOTHING = ("-", "", "·")  # cells where there is nothing to count
 
 
@@ -41,7 +42,8 @@ def html_table(title: str, heads: Sequence[str], rows: Rows, links: Mapping[str,
         for name, row in rows.items()
     )  # fmt: skip
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f'<div class="scroll" tabindex="0">{table}</div>'
+    style = "scroll long" if len(rows) > LONG else "scroll"
+    return f'<div class="{style}" tabindex="0">{table}</div>'
 
 
 def _text(cell: Cell) -> str:

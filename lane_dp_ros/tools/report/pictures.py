@@ -87,7 +87,8 @@ def _published(result: FrameScore) -> Iterator[tuple[str, JudgedLine]]:
 
 
 def _lane_line(detection: JudgedLine, style: str, points: Floats) -> Line:
-    return Line(points, f"{style} {LANE_STATES[detection.verdict]}", f"{detection.lane.confidence:.2f}")
+    name = f"{'edge ' if style == 'road-edge' else ''}{detection.lane.confidence:.2f}"
+    return Line(points, f"{style} {LANE_STATES[detection.verdict]}", name)
 
 
 def _ahead(points: Floats) -> Floats:
