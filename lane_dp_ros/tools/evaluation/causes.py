@@ -85,7 +85,9 @@ class _Nearby:
             if (aside := distance(label, line)) <= NEAR and coverage(label, line) >= MIN_COVERAGE
         ]
         if not near:
-            return Cause("no candidate", f"no candidate within {NEAR:g} m of it, of {self._paths} paths")
+            return Cause(
+                "no candidate", f"no candidate within {NEAR:g} m of it (paths in the view: {self._paths})"
+            )
         published = [each for each in near if not each[2].refusal]
         if published:
             aside, share, _ = min(published, key=lambda each: each[0])

@@ -23,12 +23,15 @@ def total_differences(comparison: Comparison) -> list[Difference]:
 
 
 def group_differences(comparison: Comparison) -> dict[str, dict[str, list[Difference]]]:
-    """Return by "sequence" and "category", and there by name, the differences of the chief measures."""
-    groups = {"sequence": by_sequence, "category": by_category}
-    found = {
-        title: _of_groups(group(comparison.before), group(comparison.after))
-        for title, group in groups.items()
-    }
+    """Return by "sequence" and "category", and there by name, the differences of the chief measures.
+
+    A grouping into one group is left out, and categories that bear the names of the sequences, as those of
+    rendered scenes do.
+    """
+    sequences, categories = (
+        _of_groups(group(comparison.before), group(comparison.after)) for group in (by_sequence, by_category)
+    )
+    found = {"sequence": sequences, "category": {} if categories.keys() == sequences.keys() else categories}
     return {title: rows for title, rows in found.items() if len(rows) > 2}  # several, and the total
 
 

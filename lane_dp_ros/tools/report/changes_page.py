@@ -95,7 +95,7 @@ def _frames(comparison: Comparison, places: dict[str, int]) -> str:
             Marked(_verdict(change), _style(change), change.gain),
             Marked("; ".join(change.worse) or "-", "prose"),
             Marked("; ".join(change.better) or "-", "prose"),
-            Marked(change.after.category or "-", "prose"),
+            Marked(change.after.category or "-", "word"),
         ]
         for change in changes
     }

@@ -9,7 +9,16 @@ from collections.abc import Mapping, Sequence
 from typing import get_args
 
 from lane_dp_ros.tools.evaluation.causes import Cause, Stage
-from lane_dp_ros.tools.evaluation.failures import UNKNOWN, Kind, aside, badness, counts_by_reason, failures
+from lane_dp_ros.tools.evaluation.failures import (
+    UNKNOWN,
+    WEIGHTS,
+    Failure,
+    Kind,
+    aside,
+    badness,
+    counts_by_reason,
+    failures,
+)
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.report.html_table import Cell, Marked, html_table
 
@@ -23,18 +32,18 @@ Causes = Mapping[str, Cause]  # of one frame, by the label's id
 
 
 def worst_frames(worst: Sequence[FrameScore], causes: Sequence[Causes]) -> str:
-    """Return the failing ones of the worst frames, each leading to its card, with the first cause."""
+    """Return the failing ones of the worst frames, each leading to its card, with its gravest failure."""
     rows: dict[str, list[Cell]] = {}
     links: dict[str, str] = {}
     for place, (result, known) in enumerate(zip(worst, causes, strict=True), 1):
         if failures(result):
             cause = _first_cause(result, known)
-            failing = Marked(_counts(result), "prose", badness(result)[0])
-            rows[result.name] = [failing, Marked(cause, "prose"), Marked(result.category or "-", "prose")]
+            failing = Marked(_counts(result), "word", badness(result)[0])
+            rows[result.name] = [failing, Marked(cause, "prose"), Marked(result.category or "-", "word")]
             links[result.name] = f"#frame-{place}"
     if not rows:
         return NONE
-    return html_table("frame", ["failures", "first cause", "category"], rows, links)
+    return html_table("frame", ["failures", "the gravest", "category"], rows, links)
 
 
 def _counts(result: FrameScore) -> str:
@@ -43,17 +52,16 @@ def _counts(result: FrameScore) -> str:
 
 
 def _first_cause(result: FrameScore, causes: Causes) -> str:
-    """Return why the gravest failure that is about a label happened, else what the surest wrong line is."""
-    lost = [failure.what for failure in failures(result) if failure.what in causes]
-    if lost:
-        return f"{lost[0]}: {causes[str(lost[0])].words}"
-    wrong = [detection for detection in result.detections if detection.wrong]
-    if not wrong:
-        return "-"
-    surest = max(wrong, key=lambda detection: detection.lane.confidence)
-    return (
-        f"{surest.verdict} line {aside(surest.lane)}, published with confidence {surest.lane.confidence:.2f}"
-    )
+    """Return in words the gravest failure of which there is more to say than that it is one."""
+    gravest_first = sorted(failures(result), key=lambda failure: -WEIGHTS[failure.kind])
+    return next((words for failure in gravest_first if (words := _told(failure, result, causes))), "-")
+
+
+def _told(failure: Failure, result: FrameScore, causes: Causes) -> str:
+    if isinstance(failure.what, str):
+        return f"{failure.what}: {causes[failure.what].words}" if failure.what in causes else ""
+    lane = result.detections[failure.what].lane
+    return f"{failure.kind} line {aside(lane)}, published with confidence {lane.confidence:.2f}"
 
 
 def reasons(results: Sequence[FrameScore]) -> str:
