@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import get_args
 
 from lane_dp_ros.tools.evaluation.causes import Cause, Stage
@@ -37,7 +38,7 @@ def worst_frames(worst: Sequence[FrameScore], causes: Sequence[Causes]) -> str:
     links: dict[str, str] = {}
     for place, (result, known) in enumerate(zip(worst, causes, strict=True), 1):
         if failures(result):
-            cause = _first_cause(result, known)
+            cause = _gravest(result, known)
             failing = Marked(_counts(result), "word", badness(result)[0])
             rows[result.name] = [failing, Marked(cause, "prose"), Marked(result.category or "-", "word")]
             links[result.name] = f"#frame-{place}"
@@ -51,10 +52,16 @@ def _counts(result: FrameScore) -> str:
     return ", ".join(f"{counts[kind]} {kind}" for kind in COLUMNS if counts[kind])
 
 
-def _first_cause(result: FrameScore, causes: Causes) -> str:
+def _gravest(result: FrameScore, causes: Causes) -> str:
     """Return in words the gravest failure of which there is more to say than that it is one."""
-    gravest_first = sorted(failures(result), key=lambda failure: -WEIGHTS[failure.kind])
+    gravest_first = sorted(failures(result), key=partial(_rank, result))
     return next((words for failure in gravest_first if (words := _told(failure, result, causes))), "-")
+
+
+def _rank(result: FrameScore, failure: Failure) -> tuple[float, float]:
+    """Return the place of a failure: the gravest first, of wrong lines the surest."""
+    what = failure.what
+    return -WEIGHTS[failure.kind], -result.detections[what].lane.confidence if isinstance(what, int) else 0.0
 
 
 def _told(failure: Failure, result: FrameScore, causes: Causes) -> str:

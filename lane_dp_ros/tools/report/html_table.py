@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import NamedTuple
 
-LONG = 15  # rows; a table of more scrolls in its own frame, or what follows would not be found
 NOTHING = ("-", "", "·")  # cells where there is nothing to count
 
 
@@ -28,8 +27,9 @@ Rows = Mapping[str, Sequence[Cell]]
 def html_table(title: str, heads: Sequence[str], rows: Rows, links: Mapping[str, str] | None = None) -> str:
     """Return a table, or nothing where no cell has anything to tell.
 
-    `heads` are those of the cells, `title` that of the rows' names; a name in `links` leads there. Columns
-    without anything in them are left out.
+    `heads` are those of the cells, `title` that of the rows' names; a name in `links` leads there, and a
+    table with links scrolls in a frame of its own where it is long. Columns without anything in them are left
+    out.
     """
     kept = [i for i in range(len(heads)) if any(_text(row[i]) not in NOTHING for row in rows.values())]
     if not kept:
@@ -42,7 +42,7 @@ def html_table(title: str, heads: Sequence[str], rows: Rows, links: Mapping[str,
         for name, row in rows.items()
     )  # fmt: skip
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    style = "scroll long" if len(rows) > LONG else "scroll"
+    style = "scroll" if links is None else "scroll long"
     return f'<div class="{style}" tabindex="0">{table}</div>'
 
 

@@ -7,7 +7,7 @@
 function numberOf(cell) {
   if (cell.dataset.value) return Number(cell.dataset.value);
   const text = cell.textContent.trim();
-  return text === "·" ? 0 : /^[+-]?[\d.]+$/.test(text) ? Number(text) : NaN;
+  return text === "·" ? 0 : Number(text || NaN);
 }
 
 function sortBy(table, column) {
