@@ -79,8 +79,8 @@ def score_from_json(fields: Any) -> FrameScore:
         detections=_detections_from_json(fields),
         matches=_matches_from_json(fields),
         road_edges=_known(fields["road_edges"], _edges_from_json),
-        tusimple=_known(fields["tusimple"], lambda sums: TuSimple(**sums)),
-        culane=_known(fields["culane"], lambda counts: CULane(**counts)),
+        tusimple=_known(fields["tusimple"], _tusimple_from_json),
+        culane=_known(fields["culane"], _culane_from_json),
         camera=_known(fields["camera"], _camera_from_json),
         truth=_known(fields["truth"], partial(frame_from_json, str(fields["name"]))),
     )
@@ -98,6 +98,14 @@ def _known(value: Any, read: Callable[[Any], Any]) -> Any:
 
 def _attributes(source: object, names: Sequence[str]) -> dict[str, Any]:
     return {name: getattr(source, name) for name in names}
+
+
+def _tusimple_from_json(fields: Any) -> TuSimple:
+    return TuSimple(int(fields["frames"]), *(float(fields[name]) for name in TUSIMPLE_FIELDS[1:]))
+
+
+def _culane_from_json(fields: Any) -> CULane:
+    return CULane(*(int(fields[name]) for name in CULANE_FIELDS))
 
 
 def _camera_from_json(fields: Any) -> StereoCamera:
@@ -144,7 +152,7 @@ def _detection_from_json(fields: Any) -> JudgedLine:
     for name, choices in CHOICES.items():
         if fields[name] not in choices:
             raise ValueError(
-                f"{name} is {fields[name]!r}, expected one of {', '.join(filter(None, choices))}"
+                f"{name} is {repr(fields[name])[:40]}, expected one of {', '.join(filter(None, choices))}"
             )
     told: dict[str, Any] = {
         **{name: _or_nan(fields[name]) for name in LANE_NUMBERS},
@@ -187,7 +195,7 @@ def _match_from_json(fields: Any) -> Match:
         position=_known(fields["position"], float),
         label_position=_known(fields["label_position"], float),
         in_space=in_space,
-        paint=_known(fields["paint"], lambda words: PaintComparison(*words)),
+        paint=_known(fields["paint"], lambda words: PaintComparison(*map(str, words))),
     )
 
 

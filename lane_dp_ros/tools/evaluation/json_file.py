@@ -99,7 +99,7 @@ def _read_object(path: Path) -> dict[str, Any]:
 def _read_frame(fields: Any) -> FrameScore:
     try:
         return score_from_json(fields)
-    except (TypeError, ValueError, AttributeError) as error:
+    except (TypeError, ValueError, AttributeError, OverflowError) as error:
         name = fields.get("name") if isinstance(fields, dict) else fields
         raise ValueError(f"frame {str(name)[:80]!r}: {one_line(error)}") from None
 

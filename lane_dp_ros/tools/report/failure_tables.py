@@ -27,6 +27,7 @@ COLUMNS: dict[Kind, str] = {
     "missed": "missed", "incorrect": "incorrect", "not found": "other labels\nnot found",
     "false": "false\nlanes", "duplicate": "duplicates",
 }  # fmt: skip
+NONE_OF_THEM = "<p>None.</p>"
 NONE = "<p>None: every line was found, and none that is not there.</p>"
 
 Causes = Mapping[str, Cause]  # of one frame, by the label's id
@@ -72,15 +73,15 @@ def _told(failure: Failure, result: FrameScore, causes: Causes) -> str:
 
 
 def reasons(results: Sequence[FrameScore]) -> str:
-    """Return the failures counted by the paper's classes, empty where there are none."""
+    """Return the failures counted by the paper's classes."""
     counts = counts_by_reason(results)
     rows = {name: [_count(counts[name][kind]) for kind in COLUMNS] for name in counts}
     unknown = "<p>Where the truth names no category, the class is not known.</p>" if UNKNOWN in rows else ""
-    return f"{html_table('class', list(COLUMNS.values()), rows)}{unknown}"
+    return f"{html_table('class', list(COLUMNS.values()), rows) or NONE_OF_THEM}{unknown}"
 
 
 def stages(worst: Sequence[FrameScore], causes: Sequence[Causes]) -> str:
-    """Return how many labels of the worst frames were lost at each stage, empty where that is not known."""
+    """Return how many labels of the worst frames were lost at each stage."""
     kinds: tuple[Kind, ...] = ("missed", "incorrect", "not found")
     lost = Counter(
         (known[failure.what].stage, failure.kind)
@@ -90,7 +91,7 @@ def stages(worst: Sequence[FrameScore], causes: Sequence[Causes]) -> str:
     )
     names = [stage for stage in get_args(Stage) if any(lost[stage, kind] for kind in kinds)]
     rows = {stage: [_count(lost[stage, kind]) for kind in kinds] for stage in names}
-    return html_table("stage", [COLUMNS[kind] for kind in kinds], rows)
+    return html_table("stage", [COLUMNS[kind] for kind in kinds], rows) or NONE_OF_THEM
 
 
 def _count(count: int) -> str:

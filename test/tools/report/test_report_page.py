@@ -22,6 +22,7 @@ from lane_dp_ros.scenes import CAMERA
 from lane_dp_ros.tools.cli import main
 from lane_dp_ros.tools.evaluation.annotations import Label
 from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, NO_SURFACE, DepthErrors
+from lane_dp_ros.tools.evaluation.json_file import read_json, write_json
 from lane_dp_ros.tools.evaluation.matching import judge
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import by_sequence, summarise
@@ -366,3 +367,53 @@ def jpeg(uri):
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     assert image is not None
     return image
+
+
+def test_where_labels_were_lost(tmp_path, scene_pairs, write_stereo_bag):
+    """The detector finds all in the pair; the line that the results lack was lost after it."""
+    result = scene_score(scene_pairs[0], "s/0")
+    page = write_report([result], write_stereo_bag(scene_pairs[:1]), tmp_path / "report")
+    parsed = Parsed(page.read_text(encoding="utf-8"))
+    (stages,) = (table for table in parsed.tables if table[0][0] == "stage")
+    assert [row[0] for row in stages[1:]] == ["found in the pair alone"]
+    (worst,) = (table for table in parsed.tables if table[0][0] == "frame")
+    assert worst[0] == ["frame", "failures", "the gravest", "category"]
+    assert worst[1][2].endswith(": these parameters find it in this pair by itself")
+
+
+def test_a_page_without_failures_says_so(tmp_path, results, empty_bag):
+    page = Parsed(write_report(results[:1], empty_bag, tmp_path / "r").read_text(encoding="utf-8"))
+    (failures,) = page.texts("section", "")[1:2]
+    assert "None: every line was found, and none that is not there." in failures
+    assert not [table for table in page.tables if table[0][0] in ("frame", "stage", "class")]
+
+
+def test_a_comparison_finds_the_images_again(tmp_path, scene_pairs):
+    """Of a folder that was judged, unless it is gone; then another one may be named."""
+    (tmp_path / "here").mkdir()
+    pair = scene_pairs[0]
+    for name, image in (("l.png", pair.left), ("r.png", pair.right)):
+        cv2.imwrite(str(tmp_path / "here" / name), image)
+    frame = replace(pair.truth, name="s/0", stamp_ns=None, left="l.png", right="r.png")
+    save_truth([frame], tmp_path / "t.json")
+
+    def run(*arguments):
+        assert main(["evaluate", *map(str, arguments), "--jobs", "1"]) == 0
+
+    run(tmp_path / "here", "--truth", tmp_path / "t.json", "--json", tmp_path / "A.json")
+    result = read_json(tmp_path / "A.json").results[0]
+    nothing = judge(result.truth, (), CAMERA)
+    write_json([nothing], (), tmp_path / "B.json", tmp_path / "here")
+    compared = "--compare", tmp_path / "A.json", tmp_path / "B.json", "--report", tmp_path / "page"
+    run(*compared)
+    parsed = Parsed((tmp_path / "page/index.html").read_text(encoding="utf-8"))
+    assert_by_itself(parsed)
+    assert parsed.count("img", "") == 2 and parsed.texts("figcaption")[-2:] == ["A", "B"]
+    (tmp_path / "here").rename(tmp_path / "there")
+    run(*compared)
+    parsed = Parsed((tmp_path / "page/index.html").read_text(encoding="utf-8"))
+    assert parsed.count("img", "") == 0 and parsed.count("figure", "plan") == 2
+    (note,) = parsed.texts("p", "note")
+    assert note == f"no images: {tmp_path}/here is not there; name the bag or folder before --compare"
+    run(tmp_path / "there", *compared)
+    assert '<img src="data:image/jpeg' in (tmp_path / "page/index.html").read_text(encoding="utf-8")
