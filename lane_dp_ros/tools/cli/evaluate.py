@@ -85,8 +85,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     from lane_dp_ros.tools.evaluation.changes_text import comparison_text
     from lane_dp_ros.tools.evaluation.json_file import read_json
 
-    if spare := [option for option in NOT_COMPARED if _value(arguments, option) not in (None, False)]:
-        arguments.usage_error(f"--compare takes BAG_OR_DIR and --report alone, not {', '.join(spare)}")
+    _check_compared(arguments)
     _check_outputs(arguments)
     before, after = map(read_json, arguments.compare)
     comparison = compare(before, after)
@@ -99,6 +98,16 @@ def _compare(arguments: argparse.Namespace) -> None:
         source = arguments.input or after.source
         page = write_changes_report(comparison, (before.path, after.path), source, arguments.report)
         print(f"report: {page}")
+
+
+def _check_compared(arguments: argparse.Namespace) -> None:
+    """End with wrong usage, or raise CommandError, for arguments that a comparison has no use for."""
+    if spare := [option for option in NOT_COMPARED if _value(arguments, option) not in (None, False)]:
+        arguments.usage_error(f"--compare takes BAG_OR_DIR and --report alone, not {', '.join(spare)}")
+    if arguments.input is not None and arguments.report is None:
+        arguments.usage_error("--compare takes BAG_OR_DIR for the images of --report alone")
+    if arguments.input is not None and not arguments.input.exists():
+        raise CommandError(f"{arguments.input}: no such bag or folder, expected the one with the images")
 
 
 def _value(arguments: argparse.Namespace, option: str) -> Any:

@@ -238,6 +238,8 @@ def test_what_cannot_be_compared_is_one_line(files, tmp_path, capsys):
         return text
 
     assert "none.json: No such file" in failure(files[0], str(tmp_path / "none.json"))
+    missing = failure(*files, "--report", str(tmp_path / "page"), str(tmp_path / "gone"))
+    assert f"{tmp_path}/gone: no such bag or folder" in missing
     content = json.loads(Path(files[1]).read_text())
     del content["frames"][0]["detections"][0]["points"]
     Path(files[1]).write_text(json.dumps(content))
@@ -250,6 +252,12 @@ def test_what_judges_anew_does_not_go_with_it(files, spare, capsys):
         main(["evaluate", "--compare", *files, *spare])
     assert exit_.value.code == 2
     assert f"--compare takes BAG_OR_DIR and --report alone, not {spare[0]}" in capsys.readouterr().err
+
+
+def test_images_without_a_report_have_no_use(files, tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["evaluate", str(tmp_path), "--compare", *files])
+    assert "takes BAG_OR_DIR for the images of --report alone" in capsys.readouterr().err
 
 
 def test_frames_of_a_surface_alone_can_be_compared():
