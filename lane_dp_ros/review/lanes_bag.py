@@ -15,7 +15,7 @@ from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.review.read_drive import find_lanes, find_topics
-from lane_dp_ros.tools.offline import answered
+from lane_dp_ros.tools.offline.answered import answered
 from lane_dp_ros.tools.progress import progress
 
 

@@ -14,6 +14,7 @@ from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics
+from lane_dp_ros.tools.detection_config import load_config
 from lane_dp_ros.tools.evaluation.answers import (
     BagAnswers,
     FrameAnswer,
@@ -26,7 +27,6 @@ from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
 from lane_dp_ros.tools.evaluation.recorded_lanes import lanes_topic, recorded_answers
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame, load_truth
-from lane_dp_ros.tools.offline import load_config
 
 SCENES_BAG, SCENES_TRUTH = "scenes.mcap", "truth.json"  # what `lane_dp scenes` writes into its folder
 
