@@ -32,6 +32,8 @@ PITCH_TOLERANCE = 0.05  # rad about the nominal pitch
 WIDTH_CHANGE_MAX = 6e-3  # 1/m; lanes that become wider by 6 % in 10 m
 ROW_SHIFT_MAX, ROW_TURN_MAX = 0.35, 0.7  # px
 ROADS_MIN = 0.5  # of the pairs
+DELAY_MAX = 0.015  # s; of sound pairs 0.005 are measured, at 60 Hz a frame is 0.017
+SAME_MIN = 0.5  # of the pairs whose pictures were compared
 
 
 class Gap(NamedTuple):
@@ -43,12 +45,18 @@ class Gap(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """What one pair showed: its measured road (None for none), its lanes, its row offset where known."""
+    """What one pair showed: its measured road (None for none), its lanes, its row offset where known.
+
+    `same_picture` is whether left and right are one picture, None where they were not compared; `right_delay`
+    [s] how much older the right one is, where known.
+    """
 
     stamp_ns: int
     road: RoadSurface | None = None
     lanes: tuple[Lane, ...] = ()
     vertical_disparity: VerticalDisparity | None = None
+    same_picture: bool | None = None
+    right_delay: float | None = None
 
 
 @dataclass(frozen=True)
@@ -57,7 +65,8 @@ class CalibrationStatus:
 
     `lane_width` [m]; `width_change` [1/m] is the relative change of the lanes' width per metre ahead: zero
     for parallel lines; `disparity_error` [px] is what explains it; `row_shift` and `row_turn` [px] are those
-    of the `VerticalDisparity`.
+    of the `VerticalDisparity`; `right_delay` [s] is by how much the right pictures are older than the left ones,
+    negative where they are newer.
     """
 
     lane_width: float | None = None
@@ -65,6 +74,7 @@ class CalibrationStatus:
     disparity_error: float | None = None
     row_shift: float | None = None
     row_turn: float | None = None
+    right_delay: float | None = None
     complaint: str = ""
 
 
@@ -104,16 +114,19 @@ class CalibrationMonitor:
             disparity_error=None if change is None else -change * scale,
             row_shift=_median(s.vertical_disparity.shift for s in sights if s.vertical_disparity is not None),
             row_turn=_median(s.vertical_disparity.turn for s in sights if s.vertical_disparity is not None),
+            right_delay=_median(s.right_delay for s in sights if s.right_delay is not None),
         )
         if sights[-1].stamp_ns - sights[0].stamp_ns < MIN_SPAN_NS:
             return verdict
-        return replace(verdict, complaint=_complaint(verdict, [sight.road for sight in sights], nominal))
+        return replace(verdict, complaint=_complaint(verdict, sights, nominal))
 
 
-def _complaint(verdict: CalibrationStatus, roads: Sequence[RoadSurface | None], nominal: RoadSurface) -> str:
+def _complaint(verdict: CalibrationStatus, sights: Sequence[Observation], nominal: RoadSurface) -> str:
     """Return one sentence on what must be wrong, empty where all may be right; the worst first."""
-    seen = [road for road in roads if road is not None]
-    if len(seen) < ROADS_MIN * len(roads):
+    if complaint := _of_pictures(sights):
+        return complaint
+    seen = [sight.road for sight in sights if sight.road is not None]
+    if len(seen) < ROADS_MIN * len(sights):
         return "Are left and right swapped, a camera covered, or the cameras rotated against each other?"
     height = _median(road.camera_height for road in seen if not is_hilly(road))
     complaints = [
@@ -123,6 +136,23 @@ def _complaint(verdict: CalibrationStatus, roads: Sequence[RoadSurface | None], 
         _of_pitch(_median(road.pitch for road in seen), nominal.pitch),
     ]
     return next(filter(None, complaints), "")
+
+
+def _of_pictures(sights: Sequence[Observation]) -> str:
+    """Return what is wrong with the pictures themselves: whatever else they seem to say is not to be trusted."""
+    compared = [sight.same_picture for sight in sights if sight.same_picture is not None]
+    if compared and sum(compared) > SAME_MIN * len(compared):
+        return "Left and right show the same picture: does one camera's topic serve as both?"
+    delays = [sight.right_delay for sight in sights if sight.right_delay is not None]
+    delay = _median(delays)
+    if delay is None or abs(delay) <= DELAY_MAX:
+        return ""
+    spread = float(np.median(np.abs(np.array(delays) - delay)))
+    return (
+        f"The right picture seems to be of another time, {1e3 * abs(delay):.0f} ms {'older' if delay > 0 else 'newer'} "
+        f"than the left one (half of {len(delays)} comparisons within {max(1.0, 1e3 * spread):.0f} ms): "
+        "are the cameras triggered together, their stamps those of the exposure?"
+    )
 
 
 def _of_rows(shift: float | None, turn: float | None) -> str:
