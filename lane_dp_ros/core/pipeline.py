@@ -181,9 +181,7 @@ class LanePipeline:
         road = detection.road if detection.road_estimate.source == "measured" else None
         return self._monitor.update(replace(sight, road=road, lanes=lanes), nominal)
 
-    def _compared(
-        self, frame: StereoFrame, detection: LaneDetection, nominal: RoadSurface
-    ) -> Observation:
+    def _compared(self, frame: StereoFrame, detection: LaneDetection, nominal: RoadSurface) -> Observation:
         """Return what a comparison of left and right gives, where one is due."""
         stamp_ns, before = self._memory.stamp_ns, self._before
         self._before = stamp_ns, frame.left
@@ -191,11 +189,10 @@ class LanePipeline:
             return Observation(stamp_ns)
         self._checked_ns = stamp_ns
         rows = vertical_disparity(frame.left, frame.right, detection.disparity, nominal.camera)
-        grey = frame.grey()
-        same = is_same_picture(grey.left, grey.right, nominal)
-        delay = None
+        left, right = (StereoFrame(image).grey().left for image in (frame.left, frame.right))
+        same, delay = is_same_picture(left, right, nominal), None
         if before is not None and 0 < stamp_ns - before[0] <= BEFORE_NS and not same:
-            share = right_delay(grey.left, StereoFrame(before[1]).grey().left, grey.right, nominal)
+            share = right_delay(left, StereoFrame(before[1]).grey().left, right, nominal)
             delay = None if share is None else share * (stamp_ns - before[0]) / 1e9
         return Observation(stamp_ns, vertical_disparity=rows, same_picture=same, right_delay=delay)
 

@@ -75,7 +75,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def _answer(self, respond: Callable[[Review], tuple[bytes, str]]) -> None:
         try:
-            self._read_body()  # whatever is refused below: left on the connection it would be the next request
+            self._read_body()  # left on the connection, it would be taken for the next request
             with self.site.requests.one_more():
                 self._check_origin()
                 content, kind = respond(self._review())

@@ -10,6 +10,7 @@ import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import UNCHECKED, FrameResult, LanePipeline
@@ -470,3 +471,39 @@ def test_the_calibration_is_judged_unless_nobody_asks(frames):
     assert watched.lane_width == pytest.approx(3.5, abs=0.1)
     assert watched.complaint == ""
     assert unwatched == UNCHECKED
+
+
+@pytest.fixture(scope="module")
+def drive(rendered):
+    """Pairs of 4.2 s along a road, 0.1 s apart, small."""
+    pairs = rendered(render_sequence, 43, 10.0, 1)
+    return [
+        tuple(cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for image in images)
+        for images in ((pair.left, pair.right) for pair in pairs)
+    ]
+
+
+SMALL = StereoCamera(
+    CAMERA.fx / 2, CAMERA.fy / 2, CAMERA.cx / 2 - 0.25, CAMERA.cy / 2 - 0.25, CAMERA.baseline
+)
+
+
+@pytest.mark.parametrize(
+    ("shown", "complaint"),
+    [
+        (lambda drive, i: drive[i], ""),
+        (lambda drive, i: drive[7], ""),  # a vehicle that stands
+        (lambda drive, i: (drive[i][0], drive[i - 1][1]), "The right picture seems to be of another time, 1"),
+        (lambda drive, i: (drive[i - 1][0], drive[i][1]), "The right picture seems to be of another time, 1"),
+        (lambda drive, i: (drive[i][0], drive[i][0]), "Left and right show the same picture"),
+    ],
+    ids=["sound", "standing", "late", "early", "one camera"],
+)
+def test_what_is_wrong_with_the_pictures_is_named(drive, shown, complaint):
+    pairs = [(START + i * TENTH, StereoFrame(*shown(drive, i))) for i in range(1, len(drive))]
+    results = follow(pairs, camera=SMALL)
+    assert results[-1].check.complaint.startswith(complaint)
+    assert {bool(result.check.complaint) for result in results} == {False, bool(complaint)}
+    assert all(result.problem.startswith("left and right show the same") for result in results) == (
+        "same" in complaint
+    )

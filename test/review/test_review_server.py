@@ -123,7 +123,7 @@ OUTER = {
     "a form": "Content-Type: text/plain\r\nContent-Length: {0}",
     "no length": "Origin: http://evil.example",
     "chunks": "Transfer-Encoding: chunked\r\nContent-Type: application/json",
-    "chunks and a length": "Transfer-Encoding: chunked\r\nContent-Length: 0\r\nContent-Type: application/json",
+    "chunks and a length": "Transfer-Encoding: chunked\r\nContent-Length: 0",
     "two lengths": "Content-Length: 0\r\nContent-Length: {0}\r\nContent-Type: application/json",
     "a sign": "Content-Length: +{0}\r\nContent-Type: application/json",
     "many digits": "Content-Length: " + "9" * 5000 + "\r\nContent-Type: application/json",
@@ -146,7 +146,7 @@ def test_no_body_is_read_as_a_request(served, outer, method) -> None:
         with suppress(ConnectionError):  # closed, with what was not read
             while part := page.recv(65536):
                 answers += part
-    assert answers.startswith(b"HTTP/1.1 4") or answers.startswith(b"HTTP/1.1 501")
+    assert answers.startswith((b"HTTP/1.1 4", b"HTTP/1.1 501"))
     assert answers.count(b"HTTP/1.1") == 1
     assert json.loads(asked(served, "GET", "/api/drive")[2])["table"]["total"] == 0
 

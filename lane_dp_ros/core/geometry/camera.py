@@ -139,7 +139,8 @@ def _check_rectified(left: Floats, right: Floats) -> None:
         values = left[row, row], right[row, row]
         if abs(values[1] - values[0]) > FOCAL_TOLERANCE * values[0]:
             raise ValueError(
-                f"{name} is {values[0]:g} px left and {values[1]:g} px right, expected equal (a rectified pair)"
+                f"{name} is {values[0]:g} px left and {values[1]:g} px right, "
+                "expected equal (a rectified pair)"
             )
     if abs(right[1, 2] - left[1, 2]) > ROW_TOLERANCE:
         raise ValueError(

@@ -65,8 +65,8 @@ class CalibrationStatus:
 
     `lane_width` [m]; `width_change` [1/m] is the relative change of the lanes' width per metre ahead: zero
     for parallel lines; `disparity_error` [px] is what explains it; `row_shift` and `row_turn` [px] are those
-    of the `VerticalDisparity`; `right_delay` [s] is by how much the right pictures are older than the left ones,
-    negative where they are newer.
+    of the `VerticalDisparity`; `right_delay` [s] is by how much the right pictures are older than the left
+    ones, negative where they are newer.
     """
 
     lane_width: float | None = None
@@ -74,8 +74,8 @@ class CalibrationStatus:
     disparity_error: float | None = None
     row_shift: float | None = None
     row_turn: float | None = None
-    right_delay: float | None = None
     complaint: str = ""
+    right_delay: float | None = None
 
 
 UNCHECKED = CalibrationStatus()
@@ -139,19 +139,25 @@ def _complaint(verdict: CalibrationStatus, sights: Sequence[Observation], nomina
 
 
 def _of_pictures(sights: Sequence[Observation]) -> str:
-    """Return what is wrong with the pictures themselves: whatever else they seem to say is not to be trusted."""
+    """Return what is wrong with the pictures themselves: nothing else that they say is to be trusted then."""
     compared = [sight.same_picture for sight in sights if sight.same_picture is not None]
     if compared and sum(compared) > SAME_MIN * len(compared):
         return "Left and right show the same picture: does one camera's topic serve as both?"
-    delays = [sight.right_delay for sight in sights if sight.right_delay is not None]
-    delay = _median(delays)
-    if delay is None or abs(delay) <= DELAY_MAX:
+    return _of_delays([sight.right_delay for sight in sights if sight.right_delay is not None])
+
+
+def _of_delays(delays: Sequence[float]) -> str:
+    """Return a sentence where three of four delays [s] agree on one that is no measuring error."""
+    if len(delays) < MIN_VALUES:
         return ""
-    spread = float(np.median(np.abs(np.array(delays) - delay)))
+    low, middle, high = np.percentile(1e3 * np.array(delays), (25, 50, 75))
+    if low <= 1e3 * DELAY_MAX and high >= -1e3 * DELAY_MAX:
+        return ""
     return (
-        f"The right picture seems to be of another time, {1e3 * abs(delay):.0f} ms {'older' if delay > 0 else 'newer'} "
-        f"than the left one (half of {len(delays)} comparisons within {max(1.0, 1e3 * spread):.0f} ms): "
-        "are the cameras triggered together, their stamps those of the exposure?"
+        f"The right picture seems to be of another time, {abs(middle):.0f} ms "
+        f"{'older' if middle > 0 else 'newer'} than the left one (half of {len(delays)} comparisons are "
+        f"within {max(1.0, (high - low) / 2):.0f} ms): "
+        "are the cameras triggered together, with the stamps of that?"
     )
 
 

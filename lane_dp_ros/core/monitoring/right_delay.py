@@ -15,7 +15,7 @@ from lane_dp_ros.core.geometry.road_surface import RoadSurface
 Floats = NDArray[Any]
 Grey = NDArray[np.uint8]
 
-CORNERS = {"maxCorners": 200, "qualityLevel": 0.01, "minDistance": 7}
+MAX_CORNERS, QUALITY, DISTANCE = 200, 0.01, 7.0  # at most; of the best one; px
 COLUMNS = 640  # px; larger pictures are made smaller: it takes a third of the time and tells as much
 WINDOW, LEVELS = 15, 3  # px and pyramid of the tracking
 RETURNED = 0.5  # px; a corner that is not found again from where it went is no corner
@@ -40,7 +40,7 @@ def right_delay(left: Grey, before: Grey, right: Grey, nominal: RoadSurface) -> 
     """
     scale = max(1.0, left.shape[1] / COLUMNS)
     left, before, right = (_smaller(image, scale) for image in (left, before, right))
-    found = cv2.goodFeaturesToTrack(left, **CORNERS)
+    found = cv2.goodFeaturesToTrack(left, MAX_CORNERS, QUALITY, DISTANCE)
     if found is None or len(found) < MIN_POINTS:
         return None
     corners = found.reshape(-1, 2).astype(np.float32)
@@ -60,9 +60,7 @@ def _smaller(image: Grey, scale: float) -> Grey:
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
-def _tracked(
-    image: Grey, other: Grey, corners: Floats, start: Floats
-) -> tuple[Floats, NDArray[np.bool_]]:
+def _tracked(image: Grey, other: Grey, corners: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Return where corners (N, 2) [px] are in the other image, and which of them are found there and back."""
     options: dict[str, Any] = {
         "winSize": (WINDOW, WINDOW), "maxLevel": LEVELS, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW,

@@ -28,10 +28,10 @@ def is_same_picture(left: Grey, right: Grey, nominal: RoadSurface) -> bool:
     pair of two cameras is shifted. Pictures without anything distinct there count as two.
     """
     near = _near_rows(nominal, left.shape)
-    smooth = [cv2.GaussianBlur(image[near], SMOOTHING, 0).astype(np.float32) for image in (left, right)]
-    if min(smooth[0].shape, default=0) < 2:
+    if np.count_nonzero(near) * left.shape[1] < MIN_PIXELS or left.shape[1] < 2:
         return False
-    a, b = (image - cv2.blur(image, SURROUNDINGS) for image in smooth)
+    smooth = [cv2.GaussianBlur(image[near], SMOOTHING, 0).astype(np.float32) for image in (left, right)]
+    a, b = (np.asarray(image - cv2.blur(image, SURROUNDINGS), np.float32) for image in smooth)
     across = np.abs(np.gradient(smooth[0], axis=1))
     distinct = across > MIN_GRADIENT
     if np.count_nonzero(distinct) < MIN_PIXELS or not np.any(b):
@@ -44,5 +44,5 @@ def is_same_picture(left: Grey, right: Grey, nominal: RoadSurface) -> bool:
 def _near_rows(nominal: RoadSurface, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     """Return which rows (H,) show road so near that its disparity is distinct."""
     camera = nominal.camera
-    expected = nominal.disparity(np.float64(camera.cx), np.arange(shape[0])) + camera.disparity_offset
+    expected = nominal.disparity(np.array([camera.cx]), np.arange(shape[0])) + camera.disparity_offset
     return np.asarray(np.abs(expected) > MIN_DISPARITY)
