@@ -28,7 +28,7 @@ from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.core.types import Image, Lane, Prior, StereoFrame
 
 CHECK_PERIOD_NS = 500_000_000  # between comparisons of left and right: a calibration does not jump
-BEFORE_NS = 200_000_000  # an older picture shows too little of what the last one shows
+BEFORE_NS = 150_000_000  # an older picture shows too little of what the last one shows
 COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
 VOTE_PERIOD_NS = 300_000_000  # for which the axis goes on from frame to frame; then the edges vote anew
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten

@@ -492,7 +492,7 @@ SMALL = StereoCamera(
     ("shown", "complaint"),
     [
         (lambda drive, i: drive[i], ""),
-        (lambda drive, i: drive[7], ""),  # a vehicle that stands
+        (lambda drive, i: drive[min(i, 7)], ""),  # a vehicle that stops
         (lambda drive, i: (drive[i][0], drive[i - 1][1]), "The right picture seems to be of another time, 1"),
         (lambda drive, i: (drive[i - 1][0], drive[i][1]), "The right picture seems to be of another time, 1"),
         (lambda drive, i: (drive[i][0], drive[i][0]), "Left and right show the same picture"),

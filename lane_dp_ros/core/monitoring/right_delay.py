@@ -20,7 +20,7 @@ COLUMNS = 640  # px; larger pictures are made smaller: it takes a third of the t
 WINDOW, LEVELS = 15, 3  # px and pyramid of the tracking
 RETURNED = 0.5  # px; a corner that is not found again from where it went is no corner
 MIN_POINTS = 40
-MAX_ERROR = 0.08  # standard error of the delay, in times between the pictures; more tells nothing
+MAX_ERROR = 0.05  # standard error of the delay, in times between the pictures; more tells nothing
 NOISE = 0.15  # px; tracking is no better, however few points there are
 TUKEY, MAD_TO_SIGMA, ROUNDS = 4.685, 1.4826, 8
 

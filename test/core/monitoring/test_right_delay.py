@@ -45,6 +45,24 @@ def test_a_right_picture_of_the_frame_after_is_newer(frames):
     assert right_delay(frames[2][0], frames[1][0], frames[3][1], NOMINAL) == pytest.approx(-1, abs=0.25)
 
 
+@pytest.mark.parametrize("category", ["straight", "slush", "night_in_town"])
+def test_a_quarter_of_a_metre_between_frames_is_enough(rendered, category):
+    """9 km/h at 10 Hz."""
+    pairs = [rendered(Drive.render, Drive(category, rate=60.0), index) for index in range(3)]
+    (before, other), (left, right) = ((grey(pair.left), grey(pair.right)) for pair in pairs[1:])
+    assert right_delay(left, before, right, NOMINAL) == pytest.approx(0, abs=0.08)
+    assert right_delay(left, before, other, NOMINAL) == pytest.approx(1, abs=0.08)
+
+
+@pytest.mark.parametrize("category", ["straight", "slush", "night_in_town"])
+def test_a_vehicle_that_creeps_gives_no_false_delay(rendered, category):
+    """4 cm between frames."""
+    pairs = [rendered(Drive.render, Drive(category, rate=400.0), index) for index in range(3)]
+    left, before, right = (grey(image) for image in (pairs[2].left, pairs[1].left, pairs[2].right))
+    found = right_delay(left, before, right, NOMINAL)
+    assert found is None or abs(found) < 0.1
+
+
 def test_rows_that_do_not_meet_are_no_delay(frames):
     """Cameras pitched or rolled against each other: that is another fault, and told as such."""
     left, before, right = frames[2][0], frames[1][0], frames[2][1]
