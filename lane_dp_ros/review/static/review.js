@@ -189,7 +189,11 @@ function setVisible(visible) {
 
 function zoom() {
   picture.nextZoom();
-  byId("zoom").textContent = `${picture.zoom}×`;
+  drawZoom();
+}
+
+function drawZoom() {
+  byId("zoom").textContent = picture.zoomName;
 }
 
 async function edit() {
@@ -250,6 +254,7 @@ byId("number").addEventListener("change", ({ target }) => {
   target.blur();
 });
 
+drawZoom();
 inTurn(async () => {
   drive = await get("/api/drive");
   document.title = `${drive.name} · lane review`;
