@@ -18,15 +18,16 @@ from lane_dp_ros.review.open_requests import OpenRequests, RefusedError
 from lane_dp_ros.review.review import Review
 
 ADDRESS = "127.0.0.1"
-LARGEST_REQUEST = 1_000_000  # bytes
+LARGEST_REQUEST = 20_000_000  # bytes; the lines of a thousand frames in COCO's format
 LENGTH = re.compile("[0-9]{1,12}")
 LONGEST_ERROR = 1000  # characters
-DROPPED = 4 * LARGEST_REQUEST  # bytes of a larger request that are read for nothing, the rest is cut off
+DROPPED = 2 * LARGEST_REQUEST  # bytes of a larger request that are read for nothing, the rest is cut off
 STATIC = {
     "/": ("index.html", "text/html; charset=utf-8"),
     "/review.css": ("review.css", "text/css; charset=utf-8"),
     "/review.js": ("review.js", "text/javascript; charset=utf-8"),
     "/api.js": ("api.js", "text/javascript; charset=utf-8"),
+    "/files.js": ("files.js", "text/javascript; charset=utf-8"),
     "/editor.js": ("editor.js", "text/javascript; charset=utf-8"),
     "/picture.js": ("picture.js", "text/javascript; charset=utf-8"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
@@ -125,6 +126,10 @@ class Handler(BaseHTTPRequestHandler):
                 return _json(review.undo())
             case ["", "api", "export"]:
                 return _json(review.export())
+            case ["", "api", "export", form]:
+                return _json(review.export_lines(form))
+            case ["", "api", "import"]:
+                return _json(review.import_lines(body))
             case ["", "api", "frames", number, "verdicts"] if number.isdecimal():
                 return _json(review.judge(int(number), body))
             case ["", "api", "frames", number, "lines"] if number.isdecimal():

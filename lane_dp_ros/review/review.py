@@ -16,9 +16,11 @@ import numpy as np
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.pictures import GAP
 from lane_dp_ros.review.drive import Drive, Frame
+from lane_dp_ros.review.exchange import FORMATS, lines_as_text, lines_from_text
 from lane_dp_ros.review.judgement import (
     SIDES,
     Judgement,
+    Line,
     Table,
     lines_from_json,
     lines_to_json,
@@ -60,16 +62,14 @@ class Review:
     def frame(self, index: int) -> dict[str, Any]:
         """Return a frame's stamp, verdicts, detected lanes, and its lines to be corrected."""
         frame = self._frame(index)
-        judgement = self._judgement(frame)
-        lines = detected_lines(frame) if judgement.lines is None else judgement.lines
         return {
             "index": index,
             "size": list(frame.size),
             "stamp": f"{frame.stamp_ns / 1e9:.3f}",
             "verdicts": self._verdicts(frame),
             "lanes": [_drawn(lane, frame) for lane in frame.lanes],
-            "lines": lines_to_json(lines),
-            "corrected": judgement.lines is not None,
+            "lines": lines_to_json(self._lines(frame)),
+            "corrected": self._judgement(frame).lines is not None,
         }
 
     def picture(self, index: int) -> bytes:
@@ -123,6 +123,35 @@ class Review:
         with tempfile.TemporaryDirectory() as folder:
             save_truth(frames, path := Path(folder) / f"{self.drive.name}.truth.json")
             return {"name": path.name, "text": path.read_text(), "frames": len(frames), "left_out": left_out}
+
+    def export_lines(self, form: str) -> dict[str, Any]:
+        """Return the lines of every frame, corrected or as detected, as the text of a file and its name."""
+        with self._lock:
+            lines = {frame.index: self._lines(frame) for frame in self.drive.frames}
+        text = lines_as_text(self.drive, lines, form)
+        return {"name": f"{self.drive.name}.{form}{FORMATS[form]}", "text": text, "frames": len(lines)}
+
+    def import_lines(self, text: Any) -> dict[str, Any]:
+        """Take the lines of an annotation tool's file in, all or none of them.
+
+        An image of the file that has none has no lines; what is no image of it stays as it is. So does a
+        frame whose lines are the same.
+        """
+        if not isinstance(text, str):
+            raise ValueError("expected the text of a file")
+        found, left_out = lines_from_text(self.drive, text)
+        with self._lock:
+            changes = {
+                frame.stamp_ns: replace(self._judgement(frame), lines=found[frame.index])
+                for frame in self.drive.frames
+                if frame.index in found and found[frame.index] != self._lines(frame)
+            }
+            return {"images": len(found), "changed": self.file.change_all(changes), "left_out": left_out}
+
+    def _lines(self, frame: Frame) -> tuple[Line, ...]:
+        """Return the lines of a frame: as corrected, else as detected."""
+        judgement = self._judgement(frame)
+        return detected_lines(frame) if judgement.lines is None else judgement.lines
 
     def _frame(self, index: int) -> Frame:
         if not 0 <= index < len(self.drive.frames):

@@ -94,6 +94,9 @@ def test_what_is_not_there(served, path) -> None:
         ("/api/frames/9/verdicts", {"left": "correct"}, 404, "frame 9 is not there: 0 to 4 are"),
         ("/api/frames/0/lines", [{}], 400, "is no line"),
         ("/api/frames/0/colour", {}, 404, "is not here"),
+        ("/api/export/yolo", None, 400, "format is 'yolo', expected one of coco, cvat"),
+        ("/api/import", {}, 400, "expected the text of a file"),
+        ("/api/import", "{}", 400, "images is None"),
     ],
 )
 def test_what_cannot_be_taken_is_refused_with_a_reason(served, path, value, status, reason) -> None:
@@ -106,7 +109,7 @@ def test_broken_json_and_too_much_of_it(served) -> None:
     headers = {"Content_Type": "application/json"}
     assert asked(served, "POST", "/api/undo", "{", **headers)[0] == 400
     assert asked(served, "POST", "/api/undo", "[" * 100_000, **headers)[0] == 400
-    assert asked(served, "POST", "/api/undo", "9" * 1_000_001, **headers)[0] == 413
+    assert asked(served, "POST", "/api/undo", "9" * 20_000_001, **headers)[0] == 413
     assert asked(served, "POST", "/api/undo", "", Content_Length="-1", **headers)[0] == 400
     assert posted(served, "/api/undo", None) == (200, {"index": None})
 
@@ -158,6 +161,13 @@ def test_a_connection_serves_request_after_request(served) -> None:
         kept = connection.sock
         assert json.loads(connection.getresponse().read()) == {"index": None}
         assert connection.sock is kept is not None
+
+
+def test_numbers_beyond_all_floats_are_refused(served) -> None:
+    line = {"id": "1", "role": "other", "kind": "solid", "sure": True, "uv": [[10**400, 1], [2, 3]]}
+    status, answer = posted(served, "/api/frames/0/lines", [line])
+    assert (status, len(answer["error"]) < 200) == (400, True)
+    assert "expected two finite numbers [u, v]" in answer["error"]
 
 
 def test_a_change_that_cannot_be_saved_is_told(served, drive_bag) -> None:
