@@ -108,12 +108,10 @@ def test_a_double_click_adds_a_point_on_the_line(open_page, served, drive_bag) -
 
 
 @pytest.mark.parametrize(("form", "ending"), [("Coco", ".json"), ("Cvat", ".xml")])
-def test_lines_go_out_to_a_tool_and_come_back(
-    open_page, served, drive_bag, browser, tmp_path, form, ending
-) -> None:
-    behaviour = {"behavior": "allow", "downloadPath": str(tmp_path / "downloads")}
-    browser.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
+def test_lines_go_out_to_a_tool_and_come_back(open_page, served, drive_bag, tmp_path, form, ending) -> None:
     page = open_page(served.url)
+    behaviour = {"behavior": "allow", "downloadPath": str(tmp_path / "downloads")}
+    page.browser.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
     page.click(f"[data-do=export{form}]")
     name = f"drive.{form.lower()}{ending}"
     page.wait(lambda: page.text("exported") == f"{name}: 5 frames")
