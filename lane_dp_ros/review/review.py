@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import tempfile
 import threading
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ import numpy as np
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.pictures import GAP
 from lane_dp_ros.review.drive import Drive, Frame
-from lane_dp_ros.review.exchange import FORMATS, lines_as_text, lines_from_text
+from lane_dp_ros.review.exchange import FORMATS, frame_name, lines_as_text, lines_from_text
 from lane_dp_ros.review.judgement import (
     SIDES,
     Judgement,
@@ -76,6 +78,12 @@ class Review:
         """Return a frame's left image as JPEG."""
         image = self.drive.image(self._frame(index))
         return bytes(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1])
+
+    def pictures(self) -> Iterator[tuple[str, bytes]]:
+        """Yield name and picture, as JPEG, of every frame that has a picture that can be read."""
+        for frame in self.drive.frames:
+            with suppress(ValueError):
+                yield frame_name(self.drive, frame), self.picture(frame.index)
 
     def judge(self, index: int, verdicts: Any) -> dict[str, Any]:
         """Take verdicts in, of one side or of both at once: {"left": "correct"}."""

@@ -3,9 +3,12 @@
 """Lines to annotation tools and back: COCO's JSON and CVAT's XML, ours and other people's."""
 
 import json
+import zipfile
 from dataclasses import replace
 from xml.etree import ElementTree
 
+import cv2
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -233,11 +236,45 @@ def test_files_that_cannot_be_read_or_written(drive_bag, tmp_path, refused):
     assert refused(drive_bag, "--import", tmp_path / "no.json").endswith(
         "No such file or directory: " + repr(str(tmp_path / "no.json"))
     )
-    assert f"cannot read {binary}: 'utf-8' codec" in refused(drive_bag, "--import", binary)
-    assert "expected a name that ends in .json or .xml" in refused(
+    assert f"{binary} is no text (UTF-8): expected COCO's" in refused(drive_bag, "--import", binary)
+    assert "expected a name that ends in .json, .xml, .zip" in refused(
         drive_bag, "--export", tmp_path / "lines.txt"
     )
     assert refused(drive_bag, "--export", wrong) == f"lane_dp: {wrong} exists already: choose another name"
+
+
+def test_an_archive_for_cvat_has_the_pictures(drive, drive_bag, tmp_path, capsys):
+    path = tmp_path / "lines.zip"
+    assert main(["review", str(drive_bag), "--export", str(path)]) == 0
+    with zipfile.ZipFile(path) as archive:
+        names = [f"images/drive/{index:06d}.jpg" for index in range(5)]
+        assert archive.namelist() == ["annotations.xml", *names]
+        picture = cv2.imdecode(np.frombuffer(archive.read(names[2]), np.uint8), cv2.IMREAD_UNCHANGED)
+    np.testing.assert_allclose(picture, drive.image(drive.frames[2]), atol=3)
+    assert main(["review", str(drive_bag), "--import", str(path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == f"{path}: 5 images, lines of 0 frames changed"
+
+
+@pytest.mark.parametrize(
+    ("members", "said"),
+    [
+        ({}, "expected one file of annotations (.xml, .json) in it, it has none"),
+        ({"a.xml": "", "b/c.json": "{}"}, "in it, it has a.xml, b/c.json"),
+        ({"a.xml": b"\xff"}, "is no text (UTF-8)"),
+    ],
+)
+def test_archives_without_annotations(drive_bag, tmp_path, refused, members, said):
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    assert said in refused(drive_bag, "--import", tmp_path / "a.zip")
+
+
+def test_an_archive_that_is_damaged(drive_bag, tmp_path, refused):
+    with zipfile.ZipFile(path := tmp_path / "a.zip", "w") as archive:
+        archive.writestr("a.xml", "<annotations/>" * 50)
+    path.write_bytes(path.read_bytes().replace(b"<annotations/>", b"<annotationz/>", 1))
+    assert f"cannot read {path}: Bad CRC-32" in refused(drive_bag, "--import", path)
 
 
 def test_a_wrong_file_is_named_and_changes_nothing(drive_bag, tmp_path, capsys):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from lane_dp_ros.review.server import ReviewServer
 
 PORT = 8642
+FILES = {".json": "coco", ".xml": "cvat", ".zip": "cvat"}  # the format of a file of lines by its ending
 EXPLANATION = """\
 The lanes are those of --lanes OUT (what `lane_dp run BAG -o OUT` wrote), else those recorded in BAG; when it
 has none they are detected first and kept in the bag BAG.lanes. Every key is saved at once to BAG.review.json;
@@ -49,15 +50,17 @@ def add_command(commands: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Find or detect the lanes; take files of lines in and write them, or serve the page."""
+    from lane_dp_ros.review.annotation_zip import read_annotations
     from lane_dp_ros.review.lanes_bag import beside, check_images
     from lane_dp_ros.review.review_file import locked
     from lane_dp_ros.review.server import ReviewServer
 
     check_images(bag := arguments.bag)
-    text = None if arguments.imported is None else _read(arguments.imported)
-    form = None if arguments.export is None else _form_of(arguments.export)
+    text = None if arguments.imported is None else read_annotations(arguments.imported)
+    if arguments.export is not None:
+        _check_new(arguments.export)
     path = arguments.review or beside(bag, "review.json")
-    if text is None and form is None:
+    if text is None and arguments.export is None:
         with locked(path), ReviewServer(arguments.port) as server:
             _serve(server, _review(arguments, path), arguments.open)
         return
@@ -65,8 +68,8 @@ def run(arguments: argparse.Namespace) -> None:
         review = _review(arguments, path)
         if text is not None:
             _import(review, arguments.imported, text)
-        if form is not None:
-            _export(review, arguments.export, form)
+        if arguments.export is not None:
+            _export(review, arguments.export)
 
 
 def _review(arguments: argparse.Namespace, path: Path) -> Review:
@@ -88,23 +91,12 @@ def _review(arguments: argparse.Namespace, path: Path) -> Review:
     return review
 
 
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise CommandError(f"cannot read {path}: {one_line(error)}") from None
-
-
-def _form_of(path: Path) -> str:
-    """Return the format of a file that is to be written. Raises CommandError where it cannot be."""
-    from lane_dp_ros.review.exchange import FORMATS
-
-    forms = {ending: form for form, ending in FORMATS.items()}
-    if path.suffix not in forms:
-        raise CommandError(f"cannot write {path}: expected a name that ends in {' or '.join(forms)}")
+def _check_new(path: Path) -> None:
+    """Raise CommandError where a file of lines cannot be written there."""
+    if path.suffix not in FILES:
+        raise CommandError(f"cannot write {path}: expected a name that ends in {', '.join(FILES)}")
     if path.exists():
         raise CommandError(f"{path} exists already: choose another name")
-    return forms[path.suffix]
 
 
 def _import(review: Review, path: Path, text: str) -> None:
@@ -116,10 +108,16 @@ def _import(review: Review, path: Path, text: str) -> None:
     print(f"{path}: {answer['images']} images, lines of {answer['changed']} frames changed{left_out}")
 
 
-def _export(review: Review, path: Path, form: str) -> None:
-    answer = review.export_lines(form)
+def _export(review: Review, path: Path) -> None:
+    from lane_dp_ros.review.annotation_zip import write_cvat_zip
+    from lane_dp_ros.tools.progress import progress
+
+    answer = review.export_lines(FILES[path.suffix])
     try:
-        path.write_text(answer["text"], encoding="utf-8")
+        if path.suffix == ".zip":
+            write_cvat_zip(path, answer["text"], progress(review.pictures(), answer["frames"], "picture"))
+        else:
+            path.write_text(answer["text"], encoding="utf-8")
     except OSError as error:
         raise CommandError(f"cannot write {path}: {one_line(error)}") from None
     print(f"{path}: lines of {answer['frames']} frames")
