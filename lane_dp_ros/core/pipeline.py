@@ -190,7 +190,7 @@ class LanePipeline:
         self._checked_ns = stamp_ns
         rows = vertical_disparity(frame.left, frame.right, detection.disparity, nominal.camera)
         left, right = (StereoFrame(image).grey().left for image in (frame.left, frame.right))
-        same, delay = is_same_picture(left, right, nominal), None
+        same, delay = detection.road is None and is_same_picture(left, right, nominal), None
         if before is not None and 0 < stamp_ns - before[0] <= BEFORE_NS and not same:
             share = right_delay(left, StereoFrame(before[1]).grey().left, right, nominal)
             delay = None if share is None else share * (stamp_ns - before[0]) / 1e9
