@@ -7,16 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from lane_dp_ros.messages.errors import CommandError
-
 
 def progress(items: Iterable[Any], total: int, unit: str) -> Iterable[Any]:
-    """Yield `items` behind a progress bar; a terminal shows it, a log file gets nothing.
+    """Yield `items` behind a progress bar; a terminal shows it, a log file gets nothing."""
+    from tqdm import tqdm
 
-    Raises CommandError when tqdm is not installed.
-    """
-    try:
-        from tqdm import tqdm
-    except ModuleNotFoundError as error:
-        raise CommandError(f"the progress bar needs tqdm ({error}): pip install tqdm") from None
     return tqdm(items, total=total, unit=unit, disable=None, dynamic_ncols=True)
