@@ -82,7 +82,7 @@ def test_the_node_needs_no_rosbags() -> None:
 
 @pytest.fixture
 def machine(monkeypatch, tmp_path):
-    """Return a function that makes this machine one with a venv or none, with apt or none, with a ROS or none."""
+    """Return a function that gives this machine a venv, apt, a ROS, or a Python that Debian manages."""
 
     def machine(venv: bool, apt: bool = True, ros: bool = False, managed: bool = True) -> None:
         monkeypatch.setattr(sys, "prefix", sys.base_prefix + ("/venv" if venv else ""))
