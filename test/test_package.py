@@ -191,17 +191,9 @@ def test_rviz_shows_what_the_node_publishes():
     assert topics == {"/lanes", "/road_edges", "/overlay/image", "/ipm/image"}
 
 
-def test_the_launch_file_declares_its_arguments():
-    # Not `launch`: where there is no ROS, the folder of that name in this package would pass for it.
-    pytest.importorskip("launch_ros", reason="launch_ros is not on PyPI: this needs a sourced ROS")
-    description = runpy.run_path(str(LAUNCH_FILE))["generate_launch_description"]()
-    arguments = {argument.name for argument in description.get_launch_arguments()}
-    assert arguments == {"namespace", "params_file", "image_transport", "use_sim_time"}
-
-
 def test_the_launch_file_starts_what_is_installed(manifest):
     text = LAUNCH_FILE.read_text()
-    assert set(re.findall(r'(?:package=|FindPackageShare\()"(\w+)"', text)) == texts(manifest, "name")
-    assert re.findall(r'executable="(\w+)"', text) == ["lane_detector"]
-    for name in re.findall(r'\*CONFIG, "([\w.]+)"', text):
+    assert set(re.findall(r'(?:package=|share_directory\()"(lane\w+)"', text)) == texts(manifest, "name")
+    assert re.findall(r'executable="(\w+)"', text) == ["lane_detector", "rviz2"]
+    for name in re.findall(r'"([\w.]+\.(?:yaml|xml|rviz))"', text):
         assert (ROOT / "config" / name).is_file(), name

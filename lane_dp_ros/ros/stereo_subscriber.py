@@ -51,7 +51,8 @@ class StereoSubscriber:
         self._early: tuple[StereoPair, float] | None = None
         # First, so that of what comes at the same time the calibration is taken in before the images.
         self._info_subscriptions = [
-            self._subscribe(CameraInfo, f"{side}/camera_info", partial(self._on_info, side)) for side in SIDES
+            self._subscribe(CameraInfo, _info_topic(node, side), partial(self._on_info, side))
+            for side in SIDES
         ]
         self._image_subscriptions: list[Subscription] = []
         self._subscribe_to_images(image_transport)
@@ -137,3 +138,19 @@ class StereoSubscriber:
         else:
             self.early_dropped += 1
         self._early = None
+
+
+def _info_topic(node: Node, side: Side) -> str:
+    """Return the topic of a side's CameraInfo.
+
+    As image_transport has it, that is camera_info beside the images: where these are remapped and
+    SIDE/camera_info is not, it follows them.
+    """
+    image, info = f"{side}/image_rect", f"{side}/camera_info"
+    if _is_remapped(node, image) and not _is_remapped(node, info):
+        return f"{node.resolve_topic_name(image).rpartition('/')[0]}/camera_info"
+    return info
+
+
+def _is_remapped(node: Node, topic: str) -> bool:
+    return node.resolve_topic_name(topic) != node.resolve_topic_name(topic, only_expand=True)
