@@ -37,8 +37,8 @@ NODE_PARAMETERS = {
 CAMERAS = {path.stem: path for path in sorted((CONFIG / "cameras").glob("*.yaml"))}
 ARGUMENTS = {
     "namespace": "namespace of node and topics",
-    "vehicle": f"file of topics, frame and parameters of a vehicle, on top of preset; or {', '.join(CAMERAS)}",
-    "params_file": "ROS parameter file, on top of preset and vehicle",
+    "vehicle": f"file of topics, frame and parameters of a vehicle, over preset; or {', '.join(CAMERAS)}",
+    "params_file": "ROS parameter file, over preset and vehicle",
     "camera": f"what stands before {TOPICS['left']}, {TOPICS['left_info']} and so on",
     "left": "topic of the left rectified images",
     "right": "topic of the right rectified images",

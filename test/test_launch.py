@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The launch file, run by the real launch: which topics and parameters the node that it starts has."""
 
+# ruff: noqa: E402
 from __future__ import annotations
 
 import os
