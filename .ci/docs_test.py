@@ -6,7 +6,8 @@
 
 The last commit is cloned and installed. Then all fenced blocks without a language, of sh, bash and python are
 run, file by file, in one shell that starts in the clone; the first command that fails ends it.
-`<this repository>` is this one; the home folder is empty but for ws/src. A comment before a fence says what its block needs:
+`<this repository>` is this one; the home folder is empty but for ws/src. A comment before a fence says what its
+block needs:
 
     <!-- docs-test: make -->         run only when installed in this way (or in several: make, pip)
     <!-- docs-test: needs ROS -->    run only when installed by colcon; of its lines those with a program here
@@ -93,7 +94,7 @@ def chosen(block: Block, way: str, path: str) -> str:
 
 def script(pages: dict[str, list[Block]], way: str, path: str) -> str:
     """Return what bash runs: the installation, then the pages' blocks."""
-    lines = [STRICT, "set -v", INSTALL[way], "{ set +v; } 2>/dev/null", ALIAS if way == "colcon" else ""]
+    lines = [STRICT, _shown(INSTALL[way]), ALIAS if way == "colcon" else ""]
     for name, page in pages.items():
         lines.append("cd $CLONE")
         for block in page:
@@ -102,8 +103,12 @@ def script(pages: dict[str, list[Block]], way: str, path: str) -> str:
                 if block.language == "python":
                     lines.append(f"python3 - <<'END_OF_PYTHON'\n{text}\nEND_OF_PYTHON")
                 else:
-                    lines += ["set -v", text, "{ set +v; } 2>/dev/null"]
+                    lines.append(_shown(text))
     return "\n".join([*lines, "echo '== all of it ran'", ""])
+
+
+def _shown(commands: str) -> str:
+    return f"cat <<'END_OF_COMMANDS'\n{commands}\nEND_OF_COMMANDS\n{commands}"
 
 
 def environment(home: Path, way: str, python: str) -> dict[str, str]:
