@@ -6,11 +6,11 @@
 
 The last commit is cloned and installed. Then all fenced blocks without a language, of sh, bash and python are
 run, file by file, in one shell that starts in the clone; the first command that fails ends it.
-`<this repository>` is this one; the home folder is empty but for ws/src. A comment before a fence says what its
-block needs:
+`<this repository>` is this one; the home folder is empty but for ws/src. A comment before a fence says what
+its block needs:
 
     <!-- docs-test: make -->         run only when installed in this way (or in several: make, pip)
-    <!-- docs-test: needs ROS -->    run only when installed by colcon; of its lines those with a program here
+    <!-- docs-test: needs ROS -->    run only when installed by colcon; lines whose program is missing are not
     <!-- docs-test: needs data -->   not run: it needs data, a robot, a browser, or more time than a test has
 """
 
