@@ -83,7 +83,9 @@ def topics_of(context, vehicle):
     """Return the topics to listen to, by the names in TOPICS; those that are not named are the node's own."""
     prefix = LaunchConfiguration("camera").perform(context).rstrip("/")
     of_camera = {name: f"{prefix}/{topic}" for name, topic in TOPICS.items()} if prefix else {}
-    return {**vehicle.get("topics", {}), **of_camera, **given(context, TOPICS)}
+    named = {**vehicle.get("topics", {}), **of_camera, **given(context, TOPICS)}
+    beside = {f"{side}_info": named[side].rpartition("/")[0] for side in ("left", "right") if side in named}
+    return {**{name: f"{folder}/camera_info" for name, folder in beside.items()}, **named}
 
 
 def flat(tree, prefix=""):
