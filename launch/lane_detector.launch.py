@@ -8,6 +8,7 @@ that is missing or wrong ends the launch with one line.
 """
 
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 import yaml
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix, get_package_share_directory
@@ -95,16 +96,25 @@ def flat(tree, prefix=""):
     return {name: value for part in parts for name, value in part.items()}
 
 
-def parameters_of(context, vehicle, params_file):
-    """Return what the node's parameters are read from.
+def base_file(preset, vehicle):
+    """Return a parameter file of preset and vehicle, for any node name.
 
-    Preset and vehicle go as one: after two files rcl takes no dotted name of a third, but the second's value.
+    They go as one: after two files rcl takes no dotted name of a third, but the second's value.
     """
-    preset = yaml.safe_load((CONFIG / PRESETS[LaunchConfiguration("preset").perform(context)]).read_text())
-    base = flat(preset["/**"]["ros__parameters"]) | flat(vehicle.get("parameters", {}))
-    files = [checked_file(params_file, "params_file")] if params_file else []
+    values = yaml.safe_load((CONFIG / PRESETS[preset]).read_text(encoding="utf-8"))["/**"]["ros__parameters"]
+    values = flat(values) | flat(vehicle.get("parameters", {}))
+    with NamedTemporaryFile("w", prefix="lane_detector_", suffix=".yaml", delete=False) as file:
+        yaml.safe_dump({"/**": {"ros__parameters": values}}, file)
+    return file.name
+
+
+def parameters_of(context, vehicle, params_file):
+    """Return what the node's parameters are read from, the last of which wins."""
+    files = [base_file(LaunchConfiguration("preset").perform(context), vehicle)]
+    if params_file:
+        files.append(checked_file(params_file, "params_file"))
     last = {name: yaml.safe_load(text) for name, text in given(context, NODE_PARAMETERS).items()}
-    return [base, *files, *([last] if last else [])]
+    return [*files, *([last] if last else [])]
 
 
 def lane_detector(context):
@@ -114,6 +124,7 @@ def lane_detector(context):
     node = Node(
         package="lane_dp_ros",
         executable="lane_detector",
+        name="lane_detector",  # for this one, arguments win over a params_file that ros2 param dump wrote
         namespace=LaunchConfiguration("namespace"),
         parameters=parameters_of(context, vehicle, files.get("params_file")),
         remappings=[(TOPICS[name], topic) for name, topic in topics_of(context, vehicle).items()],

@@ -185,6 +185,15 @@ def test_the_later_of_preset_vehicle_file_and_argument_wins(client, tmp_path):
         assert parameters(client, *names) == ["parabola", 0.02, 0.1, 2.0, "compressed", True]
 
 
+def test_an_argument_wins_over_a_file_that_ros2_param_dump_wrote(client, tmp_path):
+    file = tmp_path / "dump.yaml"
+    values = {"image_transport": "raw", "road_profile": {"camera_height": 2.0}}
+    file.write_text(yaml.safe_dump({"/lane_detector": {"ros__parameters": values}}))
+    with launched(f"params_file:={file}", "vehicle:=zed", "image_transport:=compressed"):
+        names = ("image_transport", "road_profile.camera_height")
+        assert parameters(client, *names) == ["compressed", 2.0]
+
+
 @pytest.mark.parametrize("path", sorted((SHARE / "config" / "cameras").glob("*.yaml")), ids=lambda p: p.stem)
 def test_each_file_that_is_shipped_is_taken(client, path):
     vehicle = yaml.safe_load(path.read_text())
