@@ -136,3 +136,20 @@ def test_a_library_that_cannot_be_loaded_is_told_from_a_missing_one() -> None:
     error = ImportError("libGL.so.1: cannot open shared object file", name="cv2")
     expected = "cv2 is installed but cannot be loaded: libGL.so.1: cannot open shared object file"
     assert missing_library.missing_library(error) == expected
+
+
+def test_the_shell_is_told_how_a_command_line_may_go_on(tmp_path) -> None:
+    pytest.importorskip("argcomplete")
+    answer = tmp_path / "answer"
+    line = "lane_dp dump-config --preset p"
+    asked = {
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(answer),
+        "_ARGCOMPLETE_IFS": "\n",
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+        "PYTHONPATH": str(ROOT),
+    }
+    command = [sys.executable, "-m", "lane_dp_ros.tools.cli"]
+    subprocess.run(command, env={**os.environ, **asked}, capture_output=True, check=False)
+    assert answer.read_text().strip() == "paper"
