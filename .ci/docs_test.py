@@ -11,7 +11,9 @@ its block needs:
 
     <!-- docs-test: make -->         run only when installed in this way (or in several: make, pip)
     <!-- docs-test: needs ROS -->    run only when installed by colcon; lines whose program is missing are not
-    <!-- docs-test: needs data -->   not run: it needs data, a robot, a browser, or more time than a test has
+    <!-- docs-test: needs data -->   not run: it needs data, a robot, a screen, or more time than a test has
+
+Nodes and launch files are interrupted after a while and must end with 0.
 """
 
 from __future__ import annotations
@@ -46,7 +48,8 @@ FENCE = re.compile(
     re.MULTILINE | re.DOTALL,
 )
 STRICT = "set -Eeo pipefail\ntrap 'echo \"failed: $BASH_COMMAND\" >&2' ERR\nshopt -s expand_aliases"
-LIMIT = 400  # s
+ENDLESS = re.compile(r"ros2 launch |ros2 run lane_dp_ros lane_detector\b")
+LIMIT, RUNNING = 400, 10  # s, for all commands; for one that runs until it is interrupted
 OURS = (
     "PYTHONPATH",
     "LD_LIBRARY_PATH",
@@ -87,9 +90,15 @@ def chosen(block: Block, way: str, path: str) -> str:
             for each in commands
             if shutil.which((shlex.split(each, comments=True) or ["true"])[0], path=path)
         ]
-        return "\n".join(here)
+        return "\n".join(map(bounded, here))
     ways = block.marker.split(", ") if block.marker else INSTALL
     return block.text if way in ways else ""
+
+
+def bounded(command: str) -> str:
+    """Return a command; one that runs until Ctrl-C, as a node does, gets that soon, and must end well."""
+    runs_on = ENDLESS.match(command) and not re.search(r"--show-args|--help|--version", command)
+    return f"timeout --preserve-status --signal=INT {RUNNING} {command}" if runs_on else command
 
 
 def script(pages: dict[str, list[Block]], way: str, path: str) -> str:

@@ -90,6 +90,21 @@ def test_a_comment_that_is_not_understood_is_refused_with_its_line(docs_test):
         list(docs_test["blocks"]("<!-- docs-test: nedds ROS -->\n```\nls\n```\n"))
 
 
+@pytest.mark.parametrize(
+    ("command", "is_interrupted"),
+    [
+        ("ros2 launch lane_dp_ros lane_detector.launch.py camera:=/a", True),
+        ("ros2 launch lane_dp_ros lane_detector.launch.py --show-args", False),
+        ("ros2 run lane_dp_ros lane_detector --ros-args -r a:=b", True),
+        ("ros2 run lane_dp_ros lane_dp --version", False),
+        ("colcon build", False),
+    ],
+)
+def test_what_runs_until_ctrl_c_is_interrupted(docs_test, command, is_interrupted):
+    prefix = "timeout --preserve-status --signal=INT 10 " if is_interrupted else ""
+    assert docs_test["bounded"](command) == prefix + command
+
+
 def test_every_block_of_the_readme_is_understood(docs_test):
     found = list(docs_test["blocks"]((ROOT / "README.md").read_text(encoding="utf-8")))
     assert {
