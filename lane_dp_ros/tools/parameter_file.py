@@ -65,10 +65,8 @@ def read_parameter_file(path: Path) -> dict[str, Any]:
 
 
 def _loaded(path: Path) -> Any:
-    try:
-        import yaml  # comes with ROS; only this needs it
-    except ModuleNotFoundError:
-        raise CommandError("reading a parameter file needs PyYAML: pip install pyyaml") from None
+    import yaml  # only this needs it
+
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.messages.errors import CommandError, one_line
-from lane_dp_ros.messages.stereo_bag import StereoImages
+
+if TYPE_CHECKING:
+    from lane_dp_ros.messages.stereo_bag import StereoImages
 
 PAIR_SPACING = 2_000_000_000  # ns between single pairs: more than the 1 s after which the node forgets
 GRAY, COLOUR = (0, 1), (2, 3)  # numbers of KITTI's left and right cameras
@@ -96,6 +98,8 @@ LAYOUTS = {"kitti-odometry": read_odometry, "kitti-raw": read_raw, "kitti-stereo
 
 def load_pairs(sequence: StereoSequence) -> Iterator[StereoImages]:
     """Yield the pictures. Raises CommandError for a file that is no picture, or a pair of unequal sizes."""
+    from lane_dp_ros.messages.stereo_bag import StereoImages
+
     for stamp_ns, *paths in zip(sequence.stamps_ns, sequence.left, sequence.right, strict=True):
         left, right = (_load_image(path) for path in paths)
         if left.shape != right.shape:
@@ -106,6 +110,8 @@ def load_pairs(sequence: StereoSequence) -> Iterator[StereoImages]:
 
 
 def _load_image(path: Path) -> NDArray[np.uint8]:
+    import cv2
+
     image = cv2.imread(str(path), cv2.IMREAD_ANYCOLOR)
     if image is None:
         raise CommandError(f"{path} cannot be read as a picture")
