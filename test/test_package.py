@@ -27,7 +27,7 @@ LAUNCH_FILE = ROOT / "launch" / "lane_detector.launch.py"
 CHANGELOG_VERSION = re.compile(r"^(\d+\.\d+\.\d+) \(\d{4}-\d\d-\d\d\)$", re.MULTILINE)
 
 # The node needs neither, and apt has no rosbags: the commands say how to get them where they are missing.
-NOT_ON_A_ROBOT = {"rosbags", "scipy"}
+NOT_ON_A_ROBOT = {"pyarrow", "rerun", "rosbags", "scipy"}
 # What goes by another name in package.xml: the rosdep key of an import, and of a requirement in setup.py.
 KEY_OF_IMPORT = {
     "argcomplete": "python3-argcomplete",
@@ -46,9 +46,9 @@ KEY_OF_REQUIREMENT = {
     "scipy": "python3-scipy",
     "tqdm": "python3-tqdm",
 }
-# Of the extra `test`, what colcon test does without: the coverage and the workers; an oracle and a browser's
-# driver, whose tests are skipped.
-ONLY_FROM_PYPI = {"pytest-cov", "pytest-xdist", "rosbags-image", "selenium"}
+# Of the extra `test`, what colcon test does without: the coverage and the workers; oracles, tables and a
+# browser's driver, whose tests are skipped.
+ONLY_FROM_PYPI = {"mcap-ros2-support", "pyarrow", "pytest-cov", "pytest-xdist", "rosbags-image", "selenium"}
 
 
 @pytest.fixture(scope="module")

@@ -33,6 +33,8 @@ class Library:
 LIBRARIES = {
     "cv2": Library("OpenCV, for all pictures", "opencv-python-headless", "python3-opencv"),
     "numpy": Library("numpy, for everything", "numpy", "python3-numpy"),
+    "pyarrow": Library("pyarrow, for tables of Parquet", "pyarrow"),
+    "rerun": Library("Rerun's SDK, for its recordings", "rerun-sdk"),
     "rosbags": Library("rosbags, to read and write bags", "rosbags"),
     "scipy": Library("scipy, for fits", "scipy", "python3-scipy"),
     "tqdm": Library("tqdm, for the progress bar", "tqdm", "python3-tqdm"),
