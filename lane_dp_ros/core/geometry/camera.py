@@ -49,8 +49,7 @@ class StereoCamera:
                 )
         if not np.all(np.isfinite([self.cx, self.cy, self.disparity_offset, *self.left_translation])):
             raise ValueError("a projection matrix holds values that are not finite numbers")
-        if problem := _baseline_problem(self.baseline, self.fx):
-            raise ValueError(problem)
+        _check_baseline(self.baseline, self.fx)
 
     @classmethod
     def from_projections(cls, P_left: ArrayLike, P_right: ArrayLike) -> StereoCamera:
@@ -105,18 +104,20 @@ def _projection(P: ArrayLike, side: str) -> Floats:
     return matrix.reshape(3, 4)
 
 
-def _baseline_problem(baseline: float, fx: float) -> str:
-    """Return what is wrong with a baseline [m], and what may have been meant; empty for nothing."""
+def _check_baseline(baseline: float, fx: float) -> None:
+    """Raise ValueError, with what may have been meant, for a baseline [m] that no vehicle's camera has."""
     lowest, highest = BASELINES
     if not np.isfinite(baseline) or baseline < 0:
-        return f"the baseline is {baseline:.4g} m, expected > 0 (left and right swapped?)"
+        raise ValueError(f"the baseline is {baseline:.4g} m, expected > 0 (left and right swapped?)")
     if lowest <= baseline <= highest:
-        return ""
+        return
     if baseline == 0:
         hint = "P[0,3] is equal left and right, expected -fx * baseline [px m] for the right camera"
     else:
         hint = _unit_hint(baseline, fx)
-    return f"the baseline is {baseline:.4g} m, expected {lowest:g} to {highest:g} m on a vehicle ({hint})"
+    raise ValueError(
+        f"the baseline is {baseline:.4g} m, expected {lowest:g} to {highest:g} m on a vehicle ({hint})"
+    )
 
 
 def _unit_hint(baseline: float, fx: float) -> str:
