@@ -69,7 +69,7 @@ demo: $(main)/$(made)
 ROUTES ?= make pip colcon
 
 docs-test: $(main)/$(made)
-	@timeout 480 sh -c 'for route in $(ROUTES); do $(main)/bin/python .ci/docs_test.py $$route --python $(PYTHON) || exit 1; done'
+	@timeout 1500 sh -c 'for route in $(ROUTES); do $(main)/bin/python .ci/docs_test.py $$route --python $(PYTHON) || exit 1; done'
 
 test: name-worlds $(worlds:%=test-in-%)
 

@@ -49,7 +49,7 @@ FENCE = re.compile(
 )
 STRICT = "set -Eeo pipefail\ntrap 'echo \"failed: $BASH_COMMAND\" >&2' ERR\nshopt -s expand_aliases"
 ENDLESS = re.compile(r"ros2 launch |ros2 run lane_dp_ros lane_detector\b")
-LIMIT, RUNNING = 400, 10  # s, for all commands; for one that runs until it is interrupted
+LIMIT, RUNNING = 900, 10  # s, for all commands; for one that runs until it is interrupted
 OURS = (
     "PYTHONPATH",
     "LD_LIBRARY_PATH",
