@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from lane_dp_ros.core.config import PRESETS
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.cli.arguments import add_jobs, limit
+from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, limit, topic_choice
 from lane_dp_ros.tools.evaluation.thresholds import THRESHOLDS, missed_thresholds
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--preset", choices=PRESETS, help="to detect with, default: default")
     command.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file to detect with")
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -66,7 +67,9 @@ def run(arguments: argparse.Namespace) -> None:
     """Judge what is recorded, or what the detector finds with the parameters that are asked for."""
     from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice
 
-    evaluate(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs))
+    topics = topic_choice(arguments)
+    choice = DetectorChoice(arguments.preset, arguments.config, arguments.jobs, topics)
+    evaluate(arguments, choice)
 
 
 def evaluate(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
@@ -120,4 +123,6 @@ def _write_report(arguments: argparse.Namespace, evaluation: Evaluation, choice:
     if arguments.surface is not None:
         return write_surface_report(evaluation.results, arguments.surface, arguments.report)
     config = choice.configs[1] if choice.given else None
-    return write_report(evaluation.results, evaluation.frames, arguments.input, arguments.report, config)
+    return write_report(
+        evaluation.results, evaluation.frames, arguments.input, arguments.report, config, choice.topics
+    )

@@ -9,7 +9,7 @@ import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lane_dp_ros.tools.cli.arguments import add_config, add_jobs, port
+from lane_dp_ros.tools.cli.arguments import add_config, add_jobs, add_topics, port, topic_choice
 
 if TYPE_CHECKING:
     from lane_dp_ros.review.review import Review
@@ -38,6 +38,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--open", action="store_true", help="open the page in the browser")
     add_config(command)
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -52,12 +53,13 @@ def run(arguments: argparse.Namespace) -> None:
     from lane_dp_ros.tools.offline import load_config
 
     node, detector = load_config(arguments.preset, arguments.config)
-    check_images(bag := arguments.bag)
+    bag, topics = arguments.bag, topic_choice(arguments)
+    check_images(bag, topics)
     path = arguments.review or beside(bag, "review.json")
     with locked(path), ReviewServer(arguments.port) as server:
         file = ReviewFile(path)  # before the lanes, which may take minutes: it may be damaged
-        lanes = arguments.lanes or lanes_bag(bag, node, detector, arguments.jobs)
-        drive = read_drive(bag, lanes)
+        lanes = arguments.lanes or lanes_bag(bag, node, detector, arguments.jobs, topics)
+        drive = read_drive(bag, lanes, topics)
         file.use_for(drive.fingerprint)
         review = Review(drive, file, Grounds(drive, node, detector))
         _say_what_is_there(review, lanes)

@@ -8,7 +8,14 @@ import argparse
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.cli.arguments import add_bag, add_config, add_jobs, add_output
+from lane_dp_ros.tools.cli.arguments import (
+    add_bag,
+    add_config,
+    add_jobs,
+    add_output,
+    add_topics,
+    topic_choice,
+)
 
 
 def add_command(commands: argparse._SubParsersAction) -> None:
@@ -19,6 +26,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     add_output(command)
     add_config(command)
     add_jobs(command, default=1)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -27,7 +35,7 @@ def run(arguments: argparse.Namespace) -> None:
     from lane_dp_ros.tools.offline import detect_bag, load_config
 
     config = load_config(arguments.preset, arguments.config)
-    with BagReader(arguments.bag) as reader:
+    with BagReader(arguments.bag, topic_choice(arguments)) as reader:
         bag = arguments.bag.resolve()
         if arguments.output.resolve() in (bag, *bag.parents):  # a bag may be given by the file in its folder
             raise CommandError(f"{arguments.output} is the input bag itself: choose another output")

@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 
 from lane_dp_ros.core.config import PRESETS
-from lane_dp_ros.tools.cli.arguments import add_jobs
+from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, topic_choice
 
 BASELINE = Path(__file__).parents[3] / "benchmarks" / "global_vanishing_point.py"  # in the source tree only
 EXPLANATION = """\
@@ -28,6 +28,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     )
     command.add_argument("--detector", type=Path, metavar="FILE", help=detector)
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -39,7 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
     detectors = [preset_detector(name) for name in PRESETS]
     if arguments.detector or BASELINE.is_file():
         detectors.append(file_detector(arguments.detector or BASELINE))
-    print(comparison(arguments.data, detectors, arguments.jobs))
+    print(comparison(arguments.data, detectors, arguments.jobs, topic_choice(arguments)))
     if len(detectors) == len(PRESETS):
         print(
             f"no baseline: {BASELINE.name} is not installed, name it in the source tree with --detector FILE"

@@ -14,6 +14,7 @@ from string import Template
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
@@ -36,19 +37,21 @@ def write_report(
     source: Path,
     directory: Path,
     config: DetectorConfig | None = None,
+    topics: TopicChoice | None = None,
 ) -> Path:
     """Write the page of an evaluation to `directory`/index.html, with a progress bar; return its path.
 
     `frames` is the truth, empty for a road known to have no paint; `source` the bag or folder that was
-    judged, from which the worst frames' images come; `config` what the detector looks at them with once
-    more. Raises CommandError where the page cannot be written, see `check_report_output`.
+    judged, from which the worst frames' images come, those of a bag from `topics`; `config` what the detector
+    looks at them with once more. Raises CommandError where the page cannot be written, see
+    `check_report_output`.
     """
     check_report_output(directory)
     truth = {frame.name: frame for frame in frames}
     worst = [(result, truth.get(result.name)) for result in worst_first(results)[:GALLERY]]
     places = {result.name: place for place, (result, _) in enumerate(worst, 1)}
     cards: dict[int, str] = {}
-    found = frame_images(source, worst, config or DetectorConfig())
+    found = frame_images(source, worst, config or DetectorConfig(), topics)
     for (result, frame), images in progress(found, len(worst), "frame"):
         place = places[result.name]
         cards[place] = card(place, result, frame, images)
