@@ -4,20 +4,17 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from lane_dp_ros.messages.bag_message import typestore
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.mcap_header import readable_mcap
 from lane_dp_ros.messages.storage_file import StorageFile, damaged
 from lane_dp_ros.messages.unpacking import bound_unpacking, unpacked_message
-
-_PROFILE, _ROS2 = 17, b"\x04\0\0\0ros2"  # where an MCAP file names its profile, and how rosbags wants it
 
 Convert = Callable[[bytes], bytes]
 
@@ -108,13 +105,15 @@ def _opened(file: StorageFile) -> Any:
     from rosbags import rosbag1, rosbag2
 
     bound_unpacking()
-    reader: Any
     if file.kind == "ros1":
-        reader = rosbag1.Reader(file.readable)
+        reader: Any = rosbag1.Reader(file.readable)
     else:
-        path = _AnyProfile(file.readable) if file.kind == "mcap" else file.readable
-        reader = rosbag2.Reader(path)
-    reader.open()
+        reader = rosbag2.Reader(readable_mcap(file.readable) if file.kind == "mcap" else file.readable)
+    try:
+        reader.open()
+    except KeyError as error:  # an encoding of schemas that is none of ROS 2's
+        what = f"holds topics of another kind than ROS 2's ({error}): take them out, by mcap filter"
+        raise CommandError(f"{file.path} {what}") from None
     return reader
 
 
@@ -149,27 +148,3 @@ def _latched() -> tuple[Any, ...]:
     none = QosTime(0, 0)
     keep, reliable, last = QosHistory.KEEP_LAST, QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL
     return (Qos(keep, 1, reliable, last, none, none, QosLiveliness.AUTOMATIC, none, False),)
-
-
-class _AnyProfile(type(Path())):  # type: ignore[misc]  # the class that Path() makes on this system
-    """The path of an MCAP file that opens with the profile ros2, whatever its header says.
-
-    rosbags refuses others; tools that merge or filter files leave the profile empty.
-    """
-
-    def open(self, mode: str = "r", *_: Any, **__: Any) -> Any:
-        """Open for reading."""
-        return io.BufferedReader(_Ros2Profile(str(self), mode.replace("b", "")))
-
-
-class _Ros2Profile(io.FileIO):
-    """A file in whose header the profile stands as rosbags wants it; its length stays."""
-
-    def readinto(self, buffer: Any) -> int:
-        """Read as FileIO does, then put the profile in its place."""
-        start = self.tell()
-        count = super().readinto(buffer) or 0
-        for place, byte in enumerate(_ROS2, start=_PROFILE - start):
-            if 0 <= place < count:
-                memoryview(buffer).cast("B")[place] = byte
-        return count
