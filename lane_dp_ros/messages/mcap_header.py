@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """MCAP files that other tools wrote in their own way, shown to the rosbags library as it wants them.
 
-Bytes are put in the place of others as the file is read, none is added: all that refers to a place stays right.
+Bytes are put in the place of others as the file is read and none is added: each offset stays right.
 """
 
 from __future__ import annotations
