@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags as ros2 bag and other tools leave them: each is read to its last message, whatever stands around it."""
+"""Bags as ros2 bag and other tools leave them: each is read to its last message."""
 
 import logging
 import re
@@ -60,7 +60,7 @@ def edit(metadata: Path, pattern: str, text: str) -> None:
 
 
 def records(data: bytes):
-    """Yield operation and content of the records of an MCAP file's data section, those of chunks among them."""
+    """Yield operation and content of the records of an MCAP file's data section, chunks opened."""
     place = 0
     while place < len(data):
         operation, length = struct.unpack_from("<BQ", data, place)
@@ -76,7 +76,7 @@ def records(data: bytes):
 
 
 def without_chunks(file: Path) -> bytes:
-    """Return an MCAP file as storage preset `fastwrite` writes it: messages by themselves, without an index."""
+    """Return an MCAP file as storage preset `fastwrite` writes it: no chunks, no index."""
     plain = [struct.pack("<BQ", op, len(body)) + body for op, body in records(file.read_bytes()[8:])]
     end = struct.pack("<BQI", 15, 4, 0) + struct.pack("<BQQQI", 2, 20, 0, 0, 0)
     return MAGIC + b"".join(plain) + end + MAGIC
@@ -134,7 +134,7 @@ def test_files_whose_times_overlap_are_read_by_time(tmp_path):
         (r"message_count: 5", "message_count: 3"),
         (r"type: sensor_msgs.*", "type: std_msgs/msg/String"),
         (r"(?s).*", "rosbag2_bagfile_information: 3"),
-        (r"(?s).*", "[" * 5000),
+        (r"(?s).*", "[" * 1500),
     ],
 )
 def test_the_storage_counts_not_the_metadata(tmp_path, storage, pattern, text):
@@ -269,11 +269,9 @@ def test_no_more_is_unpacked_than_a_chunk_says(tmp_path, algorithm, memory_limit
     import lz4.frame
     from backports import zstd
 
-    packed = {
-        "zstd": lambda: zstd.compress(bytes(10**8)) * 3,
-        "lz4": lambda: lz4.frame.compress(bytes(3 * 10**8)),
-    }
-    data = packed[algorithm]()
+    zeros = bytes(3 * 10**8)
+    data = zstd.compress(zeros) if algorithm == "zstd" else lz4.frame.compress(zeros)
+    del zeros
     text = algorithm.encode()
     chunk = struct.pack("<QQQII", 0, 1, 1000, 0, len(text)) + text + struct.pack("<Q", len(data)) + data
     header = struct.pack("<I", 4) + b"ros2" + bytes(4)
