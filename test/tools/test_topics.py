@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every command that reads a bag takes the topics of any camera: guessed and told, or named."""
+
+from pathlib import Path
+
+import pytest
+
+from lane_dp_ros.messages.bag import BagReader, BagWriter
+from lane_dp_ros.tools.cli import main
+
+REALSENSE = {"left": "/camera/camera/infra1", "right": "/camera/camera/infra2"}
+
+
+def renamed(bag: Path, path: Path, *name_of: dict[str, str]) -> Path:
+    """Write the bag of a stereo camera anew as those of other names; `name_of` is what each calls a side."""
+    with BagReader(bag) as reader, BagWriter(path) as writer:
+        for topic, time_ns, message in reader.messages():
+            _, side, name = topic.split("/", 2)
+            for names in name_of:
+                writer.write(f"{names[side]}/{name}", time_ns, message)
+    return path
+
+
+def two_cars(bag: Path, path: Path) -> Path:
+    return renamed(bag, path, *({side: f"/{car}/{side}" for side in ("left", "right")} for car in ("a", "b")))
+
+
+@pytest.fixture
+def realsense(write_stereo_bag, scene_pairs, tmp_path) -> Path:
+    return renamed(write_stereo_bag(scene_pairs), tmp_path / "realsense", REALSENSE)
+
+
+def lanes_of(bag: Path) -> dict[str, int]:
+    with BagReader(bag) as reader:
+        return {topic: reader.message_count([topic]) for topic in reader.topics if topic.endswith("/lanes")}
+
+
+def test_run_tells_what_it_guesses(realsense, tmp_path, capsys) -> None:
+    assert main(["run", str(realsense), "-o", str(tmp_path / "out")]) == 0
+    guess = "left is /camera/camera/infra1/image_rect, right /camera/camera/infra2/image_rect"
+    assert capsys.readouterr().err.splitlines() == [f"lane_dp: {realsense}: {guess}"]
+    assert lanes_of(tmp_path / "out") == {"/camera/camera/lanes": 3}
+
+
+@pytest.mark.parametrize(
+    "named", [["--camera", "/b"], ["--left", "b/left/image_rect"], ["--right", "/b/right/image_rect"]]
+)
+def test_run_on_the_camera_that_is_named(write_stereo_bag, scene_pairs, tmp_path, named) -> None:
+    bag = two_cars(write_stereo_bag(scene_pairs), tmp_path / "two")
+    assert main(["run", str(bag), "-o", str(tmp_path / "out"), *named]) == 0
+    assert lanes_of(tmp_path / "out") == {"/b/lanes": 3}
+
+
+def test_evaluate_and_its_report(write_stereo_bag, scene_pairs, tmp_path, capsys) -> None:
+    bag = two_cars(write_stereo_bag(scene_pairs), tmp_path / "two")
+    command = ["evaluate", str(bag), "--unpainted", "--jobs", "1", "--report", str(tmp_path / "report")]
+    assert main(command) == 1
+    assert "name one by --camera PREFIX" in capsys.readouterr().err
+    assert main([*command, "--camera", "/a"]) == 0
+    page = (tmp_path / "report/index.html").read_text()
+    assert "data:image/" in page
+    assert "no images" not in page
+
+
+def test_what_was_run_is_judged_by_the_camera_infos_beside_its_lanes(realsense, tmp_path, capsys) -> None:
+    assert main(["run", str(realsense), "-o", str(tmp_path / "out")]) == 0
+    assert main(["evaluate", str(tmp_path / "out"), "--unpainted"]) == 0
+
+
+def test_topics_lists_the_bag_and_says_what_is_taken(realsense, capsys) -> None:
+    assert main(["topics", str(realsense)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["/camera/camera/infra1/camera_info", "3", "sensor_msgs/msg/CameraInfo"]
+    assert lines[-1] == "right: /camera/camera/infra2/image_rect with /camera/camera/infra2/camera_info"
+
+
+def test_topics_of_a_bag_without_a_camera(tmp_path, write_stereo_bag, capsys) -> None:
+    assert main(["topics", str(write_stereo_bag([]))]) == 1
+    assert "it has no topics; name the camera's topics: --left" in capsys.readouterr().err
+
+
+def test_a_prefix_and_names_are_wrong_usage(realsense, capsys) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["topics", str(realsense), "--camera", "/camera", "--left", "/camera/left"])
+    assert caught.value.code == 2
+    assert "expected either --camera or --left and --right" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["run", "play", "evaluate", "review", "tables", "fit-evidence", "topics"])
+def test_every_command_that_reads_a_bag_takes_them(command, capsys) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    said = capsys.readouterr().out
+    for option in (
+        "--left TOPIC",
+        "--right TOPIC",
+        "--left-info TOPIC",
+        "--right-info TOPIC",
+        "--camera PREFIX",
+    ):
+        assert option in said
