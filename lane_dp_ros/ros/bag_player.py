@@ -194,7 +194,5 @@ def _node_names(topics: StereoTopics, reader: BagReader) -> dict[str, str]:
     """Return what the node calls the topics of a stereo camera."""
     infos = {topics.infos[side]: f"{side}/camera_info" for side in SIDES}
     kinds = {kind: name for name, kind in IMAGES.items()}
-    return {
-        **infos,
-        **{image: f"{side}/{kinds[reader.topics[image]]}" for side, image in topics.images.items()},
-    }
+    images = {topic: f"{side}/{kinds[reader.topics[topic]]}" for side, topic in topics.images.items()}
+    return {**infos, **images}

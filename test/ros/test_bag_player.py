@@ -221,7 +221,10 @@ def write_with_offers(path: Path, *offers: Qos, topic: str = "/left/camera_info"
     return path
 
 
-def offer(reliability: str, durability: str, lifespan: QosTime = QosTime(0, 0)) -> Qos:
+NONE = QosTime(0, 0)
+
+
+def offer(reliability: str, durability: str, lifespan: QosTime = NONE) -> Qos:
     return Qos(
         QosHistory.KEEP_LAST,
         1,

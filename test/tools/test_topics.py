@@ -63,7 +63,7 @@ def test_evaluate_and_its_report(write_stereo_bag, scene_pairs, tmp_path, capsys
     assert "no images" not in page
 
 
-def test_what_was_run_is_judged_by_the_camera_infos_beside_its_lanes(realsense, tmp_path, capsys) -> None:
+def test_what_was_run_is_judged_by_the_camera_infos_beside_its_lanes(realsense, tmp_path) -> None:
     assert main(["run", str(realsense), "-o", str(tmp_path / "out")]) == 0
     assert main(["evaluate", str(tmp_path / "out"), "--unpainted"]) == 0
 
@@ -75,7 +75,7 @@ def test_topics_lists_the_bag_and_says_what_is_taken(realsense, capsys) -> None:
     assert lines[-1] == "right: /camera/camera/infra2/image_rect with /camera/camera/infra2/camera_info"
 
 
-def test_topics_of_a_bag_without_a_camera(tmp_path, write_stereo_bag, capsys) -> None:
+def test_topics_of_a_bag_without_a_camera(write_stereo_bag, capsys) -> None:
     assert main(["topics", str(write_stereo_bag([]))]) == 1
     assert "it has no topics; name the camera's topics: --left" in capsys.readouterr().err
 
