@@ -31,7 +31,7 @@ def check_json_output(path: Path) -> None:
         return
     try:
         earlier = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         earlier = None
     if not (isinstance(earlier, dict) and earlier.get("format") == FORMAT):
         raise CommandError(f"{path} exists already and is no evaluation: choose another name for --json")
