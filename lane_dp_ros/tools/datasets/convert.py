@@ -12,6 +12,6 @@ from lane_dp_ros.tools.progress import progress
 
 def convert(sequence: StereoSequence, writer: BagWriter, jpeg: bool = False) -> None:
     """Write a sequence to an open bag, with a progress bar."""
-    stereo = StereoBagWriter(writer, sequence.P_left, sequence.P_right, jpeg)
-    for pair in progress(load_pairs(sequence), len(sequence), "pair"):
-        stereo.write(pair)
+    pairs = zip(load_pairs(sequence), sequence.calibrations, strict=True)
+    for pair, (left, right) in progress(pairs, len(sequence), "pair"):
+        StereoBagWriter(writer, left.P, right.P, jpeg).write(pair)

@@ -107,10 +107,11 @@ def _pairs_of_bag(bag: BagSource, truth: Path, frames: dict[int, LabelledFrame])
 def _pairs_of_drive(drive: Path, truth: Path, frames: dict[int, LabelledFrame]) -> Iterator[LabelledPair]:
     sequence = kitti.read_raw(drive)
     found = 0
-    for stamp_ns, *paths in zip(sequence.stamps_ns, sequence.left, sequence.right, strict=True):
+    files = zip(sequence.stamps_ns, sequence.calibrations, sequence.left, sequence.right, strict=True)
+    for stamp_ns, calibration, left, right in files:
         if stamp_ns in frames:
             found += 1
-            yield LabelledPair(frames[stamp_ns], partial(_read, *paths))
+            yield LabelledPair(frames[stamp_ns], partial(kitti.load_pair, calibration, left, right))
     _check_complete(drive, truth, found, len(frames))
 
 
