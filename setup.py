@@ -30,7 +30,7 @@ setup(
     ],
     python_requires=">=3.10",
     # Neither ROS nor OpenCV: on a robot both come from apt, and a wheel of either would stand in its way.
-    install_requires=["numpy>=1.26", "rosbags>=0.11", "tqdm"],
+    install_requires=["numpy>=1.26", "rosbags>=0.11.7", "tqdm"],
     extras_require={
         "opencv": [OPENCV],
         # Jazzy's rclpy, Fast DDS and messages; PyPI's bare ros-* names are of another distribution.

@@ -9,12 +9,16 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 _PROFILE, _ROS2 = 17, b"\x04\0\0\0ros2"  # where the profile stands, and how rosbags wants it
 _FOOTER = 37  # bytes from the footer to the file's end
 _SUMMARY_START = 9  # where the footer says the place of the summary, 8 bytes; 0: there is none
+_SCHEMA, _CHANNEL, _CHUNK_INDEX, _STATISTICS = 3, 4, 8, 11  # kinds of records
+_ENTRIES = {_CHUNK_INDEX: 32, _STATISTICS: 42}  # where they say how many bytes of entries by channel follow
+_LONGEST = 1 << 28  # bytes of a record of the summary
 _DATA_END = b"\x0f\x04\0\0\0\0\0\0\0"  # a record that stands before the summary, and its checksum of 4 bytes
 
 
@@ -22,7 +26,7 @@ def readable_mcap(path: Path) -> Path | _Changed:
     """Return the path of an MCAP file, one that opens with changed bytes where rosbags would refuse the file.
 
     Tools that merge or filter leave the profile empty: it reads ros2. A summary that does not stand where the
-    footer says is left aside, the file is scanned.
+    footer says, or lacks what the specification lets it lack, is left aside: the file is scanned.
     """
     changes = {}
     with path.open("rb") as file:
@@ -46,11 +50,26 @@ def _summary_start(file: io.BufferedReader) -> int:
 
 
 def _is_summary(file: io.BufferedReader, start: int) -> bool:
+    """Return whether the summary stands there and tells all that rosbags takes from it."""
     before = start - len(_DATA_END) - 4
     if before < 0 or start > file.seek(0, io.SEEK_END):
         return False
     file.seek(before)
-    return file.read(len(_DATA_END)) == _DATA_END
+    if file.read(len(_DATA_END)) != _DATA_END:
+        return False
+    file.seek(start)
+    told = set()
+    for kind, content in _records(file):
+        place = _ENTRIES.get(kind)
+        if place is None or any(content[place : place + 4]):
+            told.add(kind)
+    return told >= {_SCHEMA, _CHANNEL, *_ENTRIES}
+
+
+def _records(file: io.BufferedReader) -> Iterator[tuple[int, bytes]]:
+    """Yield kind and content of the records up to the footer."""
+    while (head := file.read(9))[:1] not in (b"", b"\x02"):
+        yield head[0], file.read(min(int.from_bytes(head[1:], "little"), _LONGEST))
 
 
 class _Changed:

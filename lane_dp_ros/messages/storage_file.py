@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 import sqlite3
 import tempfile
@@ -16,6 +17,9 @@ from lane_dp_ros.messages.unpacking import ZSTD_MAGIC, zstd
 
 Kind = Literal["mcap", "sqlite3", "ros1", "zstd"]
 
+LARGE = 100_000_000  # bytes; a file of more takes longer than a second to copy or unpack
+
+_LOGGER = logging.getLogger(__name__)
 _MAGIC: dict[bytes, Kind] = {
     b"\x89MCAP0\r\n": "mcap",
     b"SQLite format 3\0": "sqlite3",
@@ -106,6 +110,7 @@ def _unpacked(path: Path, mtime_ns: int) -> Path:
     """Return the file that `ros2 bag record --compression-mode file` packed, unpacked once a process."""
     target = Path(_folder(str(path.absolute()), mtime_ns).name, "unpacked")
     if not target.exists():
+        _say_that_it_takes_long(path, "unpacked")
         try:
             with zstd().open(path, "rb") as packed, target.open("wb") as file:
                 shutil.copyfileobj(packed, file, 1 << 20)
@@ -116,6 +121,11 @@ def _unpacked(path: Path, mtime_ns: int) -> Path:
     return target
 
 
+def _say_that_it_takes_long(path: Path, what: str) -> None:
+    if (size := path.stat().st_size) > LARGE:
+        _LOGGER.info("%s is %s first: %.1f GB", path, what, size / 1e9)
+
+
 def _unfinished(path: Path) -> list[Path]:
     return [each for ending in _UNFINISHED if (each := path.with_name(path.name + ending)).is_file()]
 
@@ -124,6 +134,7 @@ def _finished(path: Path, mtimes_ns: tuple[int, ...]) -> Path:
     """Return a copy of a database that was not closed, with the messages that only its log holds."""
     target = Path(_folder(str(path.absolute()), mtimes_ns).name, "finished.db3")
     if not target.exists():
+        _say_that_it_takes_long(path, "copied, as its recorder did not close it")
         try:
             for each in (path, *_unfinished(path)):
                 shutil.copyfile(each, target.with_name(target.name + each.name[len(path.name) :]))

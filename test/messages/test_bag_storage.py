@@ -351,3 +351,18 @@ def test_ros_1_bags_are_read_as_ros_2_has_their_messages(tmp_path, compression):
         assert (last.header.stamp.sec, last.header.stamp.nanosec, last.header.frame_id) == (4, 7, "left")
         np.testing.assert_array_equal(last.p, np.arange(12.0) + 4)
         assert [qos.durability.name for qos in reader.offered_qos(TOPIC)] == ["TRANSIENT_LOCAL"]
+
+
+@pytest.mark.parametrize("dropped", [3, 4, 8, 11], ids=["schemas", "channels", "chunk indexes", "statistics"])
+def test_a_summary_may_lack_what_the_specification_lets_it_lack(tmp_path, dropped):
+    data = only_file(write(tmp_path / "bag")).read_bytes()
+    start = int.from_bytes(data[-28:-20], "little")
+    place, kept = start, b""
+    while (kind := data[place]) != 14:  # the offsets of the summary
+        length = 9 + int.from_bytes(data[place + 1 : place + 9], "little")
+        kept += b"" if kind == dropped else data[place : place + length]
+        place += length
+    footer = struct.pack("<BQQQI", 2, 20, start, 0, 0)
+    (tmp_path / "x.mcap").write_bytes(data[:start] + kept + footer + MAGIC)
+    assert len(kept) < place - start
+    assert numbers_in(tmp_path / "x.mcap") == [0, 1, 2, 3, 4]
