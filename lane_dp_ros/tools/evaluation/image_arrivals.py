@@ -11,13 +11,13 @@ from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_sync import Side
 
 
-def image_arrivals(reader: BagReader, topics: Mapping[Side, str]) -> dict[int, int]:
+def image_arrivals(reader: BagReader, topics: Mapping[Side, list[str]]) -> dict[int, int]:
     """Return, for each stamp [ns] of a left image, when the later one of its pair was recorded [ns]."""
     arrivals = {
         stamp_from_ros(message.header.stamp): time_ns
-        for _, time_ns, message in reader.messages([topics["left"]])
+        for _, time_ns, message in reader.messages(topics["left"])
     }
-    for _, time_ns, message in reader.messages([topics["right"]]):
+    for _, time_ns, message in reader.messages(topics["right"]):
         stamp_ns = stamp_from_ros(message.header.stamp)
         if stamp_ns in arrivals:
             arrivals[stamp_ns] = max(arrivals[stamp_ns], time_ns)

@@ -16,8 +16,8 @@ from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.stamp import stamp_from_ros
-from lane_dp_ros.messages.stereo_bag import StereoTopics, find_stereo_topics
-from lane_dp_ros.messages.stereo_sync import SIDES
+from lane_dp_ros.messages.stereo_sync import SIDES, Side
+from lane_dp_ros.messages.stereo_topics import IMAGES, StereoTopics, find_stereo_topics
 from lane_dp_ros.tools.evaluation.answers import BagAnswers, FrameAnswer
 from lane_dp_ros.tools.evaluation.image_arrivals import image_arrivals
 
@@ -48,7 +48,7 @@ def recorded_answers(reader: BagReader, topic: str) -> BagAnswers:
     namespace = topic.rpartition("/")[0]
     images = _stereo_topics(reader)
     camera = _camera(reader, namespace, images)
-    arrivals = image_arrivals(reader, images.images) if images else {}
+    arrivals = image_arrivals(reader, _image_topics(reader, namespace, images))
     road_edges = _recorded_edges(reader, f"{namespace}/{ROAD_EDGES}")
     answers: dict[int, FrameAnswer] = {}
     repeated = 0
@@ -96,6 +96,16 @@ def _stereo_topics(reader: BagReader) -> StereoTopics | None:
         return find_stereo_topics(reader)
     except CommandError:
         return None
+
+
+def _image_topics(reader: BagReader, namespace: str, images: StereoTopics | None) -> dict[Side, list[str]]:
+    """Return the topics of the images beside the lanes, raw and compressed, or else of the stereo camera."""
+    beside: dict[Side, list[str]] = {
+        side: [f"{namespace}/{side}/{name}" for name in IMAGES] for side in SIDES
+    }
+    if images is None or reader.message_count(beside["left"]):
+        return beside
+    return {side: [image] for side, image in images.images.items()}
 
 
 def _camera(reader: BagReader, namespace: str, images: StereoTopics | None) -> StereoCamera | None:
