@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every command that reads a bag takes the topics of any camera: guessed and told, or named."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -100,3 +102,16 @@ def test_every_command_that_reads_a_bag_takes_them(command, capsys) -> None:
         "--camera PREFIX",
     ):
         assert option in said
+
+
+def test_a_ros_1_bag_gives_the_same_lanes(write_stereo_bag, scene_pairs, tmp_path) -> None:
+    bag, old = write_stereo_bag(scene_pairs), tmp_path / "old.bag"
+    conversion = [sys.executable, "-m", "rosbags.convert", "--src", str(bag), "--dst", str(old)]
+    subprocess.run([*conversion, "--dst-typestore", "ros1_noetic"], check=True, capture_output=True)
+    lanes = []
+    for path in (bag, old):
+        assert main(["run", str(path), "-o", str(tmp_path / f"lanes_of_{path.name}")]) == 0
+        with BagReader(tmp_path / f"lanes_of_{path.name}") as reader:
+            lanes.append([raw.data for raw in reader.raw_messages(["/lanes"])])
+    assert len(lanes[0]) == 3
+    assert lanes[0] == lanes[1]
