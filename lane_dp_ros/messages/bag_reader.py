@@ -37,7 +37,8 @@ class BagReader:
                 stack.callback(recording.close)
                 self._recordings.append(recording)
             self._closing = stack.pop_all()
-        say_what_is_missing(self.path, files.counted, self.message_count())
+        held = self.message_count() + sum(recording.left_out for recording in self._recordings)
+        say_what_is_missing(self.path, files.counted, held)
 
     def __enter__(self) -> BagReader:
         return self

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.mcap_header import readable_mcap
 from lane_dp_ros.messages.storage_file import StorageFile, damaged
 from lane_dp_ros.messages.unpacking import bound_unpacking, unpacked_message
+
+_LOGGER = logging.getLogger(__name__)
 
 Convert = Callable[[bytes], bytes]
 
@@ -47,7 +50,8 @@ class Channel:
 class Recording:
     """A storage file of a rosbag2, or a ROS 1 bag, opened for reading.
 
-    Topics that are not serialised as ROS does it, or whose ROS 1 type ROS 2 has not, are left out.
+    Topics that are not serialised as ROS 2 does it, or whose ROS 1 type ROS 2 has not, are left out:
+    `left_out` messages.
     Raises CommandError, in one line, for a file that is damaged.
     """
 
@@ -56,6 +60,7 @@ class Recording:
         with self._readable():
             self._reader = _opened(file)
             self.channels = tuple(_channels(self._reader.connections, file.kind == "ros1"))
+            self.left_out = self._reader.message_count - sum(channel.count for channel in self.channels)
             self.start_ns, self.end_ns = self._reader.start_time, self._reader.end_time
 
     def close(self) -> None:
@@ -127,6 +132,10 @@ def _channels(connections: Sequence[Any], is_ros1: bool) -> Iterator[Channel]:
         elif each.ext.serialization_format == "cdr":
             qos = tuple(each.ext.offered_qos_profiles)
             yield Channel(name, each.msgtype, each.msgcount, qos, unpacked_message, each)
+        else:
+            _LOGGER.warning(
+                "%s is left out: serialised as %s, not as cdr", name, each.ext.serialization_format
+            )
 
 
 def _from_ros1(connection: Any) -> Convert:

@@ -366,3 +366,14 @@ def test_a_summary_may_lack_what_the_specification_lets_it_lack(tmp_path, droppe
     (tmp_path / "x.mcap").write_bytes(data[:start] + kept + footer + MAGIC)
     assert len(kept) < place - start
     assert numbers_in(tmp_path / "x.mcap") == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_topics_of_another_serialisation_are_left_out_and_told(tmp_path, storage, caplog):
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin[storage.upper()]) as writer:
+        odd = {"serialization_format": "json"}
+        for topic, how in ((TOPIC, {}), ("/odd", odd)):
+            connection = writer.add_connection(topic, INFO, typestore=typestore(), **how)
+            writer.write(connection, 0, bytes(typestore().serialize_cdr(info(0), INFO)))
+    assert numbers_in(tmp_path / "bag") == [0]
+    assert caplog.messages == ["/odd is left out: serialised as json, not as cdr"]
