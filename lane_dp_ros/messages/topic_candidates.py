@@ -17,10 +17,11 @@ from lane_dp_ros.messages.bag_reader import BagReader
 from lane_dp_ros.messages.stereo_sync import SIDES, Side
 
 IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+COMPRESSED_ENDING = "/compressed"  # of what image_transport compresses as JPEG or PNG
 INFO = "sensor_msgs/msg/CameraInfo"
 BASELINES = (0.02, 3.0)  # m; of cameras on a vehicle
 _SIDES = (("left", "right"), ("infra1", "infra2"), ("infra_1", "infra_2"), ("cam0", "cam1"))
-_NO_PICTURE = re.compile("depth|disparity|confidence|mask|overlay", re.IGNORECASE)
+_NO_PICTURE = re.compile("depth|disparity|confidence|mask|overlay|/zstd$", re.IGNORECASE)
 _LEVELS = 3  # above an image's topic at which its camera_info may be
 
 
@@ -49,7 +50,7 @@ class Candidate:
     def rank(self) -> tuple[Any, ...]:
         """Raw images first, those named as the node's, then by name."""
         left = self.images["left"]
-        name = left.split("/")[-2 if self.is_compressed else -1]
+        name = left.removesuffix(COMPRESSED_ENDING).rpartition("/")[2]
         return self.is_compressed, name != "image_rect", len(left), left
 
     @property
@@ -87,7 +88,7 @@ def candidate(reader: BagReader, left: str, right: str) -> Candidate:
     """Return two image topics with their CameraInfos: the named ones, or those beside the images."""
     images: dict[Side, str] = {"left": left, "right": right}
     infos: dict[Side, str] = {
-        side: reader.choice.info(side) or _info_beside(reader, image) or f"{_base(reader, image)}/camera_info"
+        side: reader.choice.info(side) or _info_beside(reader, image) or f"{_folder(image)}/camera_info"
         for side, image in images.items()
     }
     empty = frozenset(t for t in (*images.values(), *infos.values()) if not reader.message_count([t]))
@@ -150,17 +151,16 @@ def _same_kind(reader: BagReader, left: str, right: str) -> bool:
     return reader.topics[left] == reader.topics[right] and len(names) == 1
 
 
-def _base(reader: BagReader, image: str) -> str:
+def _folder(image: str) -> str:
     """Return the folder of an image's topic; compressed images lie below the raw ones' name."""
-    levels = 2 if reader.topics.get(image) == COMPRESSED else 1
-    return image.rsplit("/", levels)[0]
+    return image.removesuffix(COMPRESSED_ENDING).rpartition("/")[0]
 
 
 def _info_beside(reader: BagReader, image: str) -> str | None:
     """Return the CameraInfo's topic beside an image or above it; the first that has messages."""
     infos = {topic for topic, kind in reader.topics.items() if kind == INFO}
-    folder = _base(reader, image)
-    places = [image.removesuffix("/compressed"), *(folder.rsplit("/", n)[0] for n in range(_LEVELS))]
+    folder = _folder(image)
+    places = [image.removesuffix(COMPRESSED_ENDING), *(folder.rsplit("/", n)[0] for n in range(_LEVELS))]
     found = [info for place in places if (info := f"{place}/camera_info") in infos]
     return next((info for info in found if reader.message_count([info])), found[0] if found else None)
 

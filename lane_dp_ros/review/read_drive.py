@@ -32,6 +32,8 @@ def find_left_topics(reader: BagReader) -> StereoTopics:
     try:
         return find_stereo_topics(reader)
     except CommandError:
+        if reader.choice.right:
+            raise
         return find_stereo_topics(reader, ("left",))
 
 

@@ -42,7 +42,7 @@ def bag(tmp_path):
                     P, d = content
                     message = camera_info_to_ros(P, IMAGE.shape, header, bag_message)
                     message.d[0] = d
-                elif topic.endswith("compressed"):
+                elif topic.endswith(("compressed", "jpeg")):
                     message = compressed_image_to_ros(content, header, bag_message)
                 else:
                     message = image_to_ros(content, header, bag_message)
@@ -136,6 +136,10 @@ def test_compressed_images_have_their_camera_info_beside_the_raw_ones(bag):
     topics = {"/left/camera_info": P_left, "/right/camera_info": P_right}
     path = bag({**topics, f"{LEFT}/compressed": IMAGE, f"{RIGHT}/compressed": IMAGE})
     assert found(path)[:3] == (f"{LEFT}/compressed", f"{RIGHT}/compressed", "/left/camera_info")
+
+
+def test_compressed_images_of_another_name(bag):
+    assert found(bag(camera("/left/jpeg", "/right/jpeg")))[:2] == ("/left/jpeg", "/right/jpeg")
 
 
 def test_a_baseline_tells_cameras_whose_names_say_no_side(bag):

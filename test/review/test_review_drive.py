@@ -197,3 +197,8 @@ def test_the_left_images_may_be_of_any_camera(drive_bag, tmp_path):
     drive = read_drive(tmp_path / "other", tmp_path / "other", TopicChoice(camera="/b"))
     assert drive.topics.images["left"].startswith("/b/left/image_rect")
     assert drive.image(drive.frames[0]).shape == read_drive(drive_bag, drive_bag).image(drive.frames[0]).shape
+
+
+def test_a_right_camera_that_is_named_must_be_there(drive_bag):
+    with pytest.raises(CommandError, match="no messages on /no/such for --right TOPIC"):
+        read_drive(drive_bag, drive_bag, TopicChoice(left="/left/image_rect", right="/no/such"))
