@@ -123,6 +123,8 @@ def _opened(file: StorageFile) -> Any:
 
 
 def _channels(connections: Sequence[Any], is_ros1: bool) -> Iterator[Channel]:
+    from rosbags.typesys.msg import normalize_msgtype
+
     for each in connections:
         name = f"/{each.topic.lstrip('/')}"  # some writers leave the slash away
         if is_ros1:
@@ -131,7 +133,9 @@ def _channels(connections: Sequence[Any], is_ros1: bool) -> Iterator[Channel]:
                 yield Channel(name, each.msgtype, each.msgcount, qos, _from_ros1(each), each)
         elif each.ext.serialization_format == "cdr":
             qos = tuple(each.ext.offered_qos_profiles)
-            yield Channel(name, each.msgtype, each.msgcount, qos, unpacked_message, each)
+            # Some writers leave /msg/ away.
+            kind = normalize_msgtype(each.msgtype) if each.msgtype.count("/") == 1 else each.msgtype
+            yield Channel(name, kind, each.msgcount, qos, unpacked_message, each)
         else:
             _LOGGER.warning(
                 "%s is left out: serialised as %s, not as cdr", name, each.ext.serialization_format

@@ -377,3 +377,16 @@ def test_topics_of_another_serialisation_are_left_out_and_told(tmp_path, storage
             writer.write(connection, 0, bytes(typestore().serialize_cdr(info(0), INFO)))
     assert numbers_in(tmp_path / "bag") == [0]
     assert caplog.messages == ["/odd is left out: serialised as json, not as cdr"]
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_types_without_msg_in_their_names(tmp_path, storage):
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin[storage.upper()]) as writer:
+        definition = typestore().generate_msgdef(INFO, ros_version=2)[0]
+        connection = writer.add_connection(
+            TOPIC, "sensor_msgs/CameraInfo", msgdef=definition, rihs01="RIHS01_0"
+        )
+        writer.write(connection, 0, bytes(typestore().serialize_cdr(info(0), INFO)))
+    assert numbers_in(tmp_path / "bag") == [0]
+    with BagReader(tmp_path / "bag") as reader:
+        assert reader.topics == {TOPIC: INFO}
