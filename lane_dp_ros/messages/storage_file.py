@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from lane_dp_ros.messages.errors import CommandError, one_line
-from lane_dp_ros.messages.unpacking import ZSTD_MAGIC, zstd
+from lane_dp_ros.messages.unpacking import ZSTD_MAGIC, unpacked_file, zstd
 
 Kind = Literal["mcap", "sqlite3", "ros1", "zstd"]
 
@@ -112,11 +112,11 @@ def _unpacked(path: Path, mtime_ns: int) -> Path:
     if not target.exists():
         _say_that_it_takes_long(path, "unpacked")
         try:
-            with zstd().open(path, "rb") as packed, target.open("wb") as file:
-                shutil.copyfileobj(packed, file, 1 << 20)
-        except (OSError, EOFError, zstd().ZstdError) as error:
+            with target.open("wb") as file:
+                unpacked_file(path, file)
+        except (OSError, EOFError, ValueError, zstd().ZstdError) as error:
             target.unlink(missing_ok=True)
-            what = f"{path} is damaged (cut off?), or too large to unpack"
+            what = f"{path} is damaged (cut off?), or too large to unpack into {target.parent.parent}"
             raise CommandError(f"{what}: {one_line(error)}") from None
     return target
 

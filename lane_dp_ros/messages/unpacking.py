@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import bz2
 import importlib
 import sys
-from functools import lru_cache
-from typing import Any
+from collections.abc import Callable
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any, BinaryIO
 
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"  # no CDR message begins with it: its second byte is an encoding, 0 to 11
+LARGE_FILE, LARGEST_RATIO = 10**9, 1000  # bytes and times its size that a file may be unpacked to at least
 LARGEST_MESSAGE = 1 << 28  # bytes; a message that is packed by itself has no header that says its size
 
 
@@ -42,6 +46,11 @@ def unlz4(data: bytes | memoryview, size: int) -> bytes:
     return bytes(of_rosbags("lz4.frame").LZ4FrameDecompressor().decompress(data, max_length=size + 1))
 
 
+def unbz2(data: bytes, size: int) -> bytes:
+    """Return the content of a bzip2 stream, or `size` + 1 bytes of it where it is longer."""
+    return bz2.BZ2Decompressor().decompress(data, max_length=size + 1)
+
+
 def unpacked_message(data: bytes | memoryview) -> bytes:
     """Return a message, unpacked if `ros2 bag record --compression-mode message` packed it.
 
@@ -54,9 +63,33 @@ def unpacked_message(data: bytes | memoryview) -> bytes:
     return message
 
 
+def unpacked_file(packed: Path, file: BinaryIO) -> None:
+    """Write the content of a zstd file.
+
+    Raises ValueError where it is more than 1 GB and more than a thousand times as large as the file.
+    """
+    left = max(LARGE_FILE, LARGEST_RATIO * packed.stat().st_size)
+    with zstd().open(packed, "rb") as source:
+        while data := source.read(1 << 20):
+            if (left := left - len(data)) < 0:
+                raise ValueError(f"it unpacks to more than {LARGEST_RATIO} times its size")
+            file.write(data)
+
+
 @lru_cache(maxsize=1)
 def bound_unpacking() -> None:
-    """Let rosbags unpack no more of an MCAP chunk than its header says; it compares the sizes afterwards."""
+    """Let rosbags unpack no more of an MCAP chunk than its header says; it compares the sizes afterwards.
+
+    A chunk of a ROS 1 bag, whose size rosbags does not look at, may unpack to 256 MiB.
+    """
+    from rosbags.rosbag1 import reader
     from rosbags.rosbag2 import storage_mcap
 
     storage_mcap.DECOMPRESSORS.update({"zstd": unzstd, "lz4": unlz4})
+    reader.decompressors.update({"bz2": partial(_ros1_chunk, unbz2), "lz4": partial(_ros1_chunk, unlz4)})
+
+
+def _ros1_chunk(unpack: Callable[[bytes, int], bytes], data: bytes) -> bytes:
+    if len(chunk := unpack(data, LARGEST_MESSAGE)) > LARGEST_MESSAGE:
+        raise ValueError(f"a chunk unpacks to more than {LARGEST_MESSAGE} bytes")
+    return chunk

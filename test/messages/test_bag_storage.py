@@ -9,6 +9,7 @@ import sqlite3
 import struct
 from pathlib import Path
 
+import lz4.frame
 import numpy as np
 import pytest
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
@@ -16,7 +17,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from lane_dp_ros.messages.bag import STORAGES, BagReader, bag_message
 from lane_dp_ros.messages.bag_message import typestore
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.unpacking import zstd as zstd_module
 
+zstd = zstd_module()
 TOPIC, INFO = "/left/image_rect", "sensor_msgs/msg/CameraInfo"
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -266,9 +269,6 @@ def test_a_folder_of_bags_names_them(tmp_path):
 @pytest.mark.parametrize("algorithm", ["zstd", "lz4"])
 def test_no_more_is_unpacked_than_a_chunk_says(tmp_path, algorithm, memory_limit):
     """300 MB are packed into a chunk that says 1000 bytes."""
-    import lz4.frame
-    from backports import zstd
-
     zeros = bytes(3 * 10**8)
     data = zstd.compress(zeros) if algorithm == "zstd" else lz4.frame.compress(zeros)
     del zeros
@@ -390,3 +390,21 @@ def test_types_without_msg_in_their_names(tmp_path, storage):
     assert numbers_in(tmp_path / "bag") == [0]
     with BagReader(tmp_path / "bag") as reader:
         assert reader.topics == {TOPIC: INFO}
+
+
+def test_a_file_that_unpacks_beyond_all_measure_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("lane_dp_ros.messages.unpacking.LARGE_FILE", 10**6)
+    (tmp_path / "x.mcap.zstd").write_bytes(zstd.compress(bytes(10**7)))
+    with pytest.raises(CommandError, match="too large to unpack into .*: it unpacks to more than 1000 times"):
+        BagReader(tmp_path / "x.mcap.zstd")
+
+
+@pytest.mark.parametrize("compression", ["bz2", "lz4"])
+def test_a_ros_1_chunk_that_unpacks_to_more_than_any_message_is_refused(tmp_path, monkeypatch, compression):
+    write_ros1(tmp_path / "old.bag", compression)
+    monkeypatch.setattr("lane_dp_ros.messages.unpacking.LARGEST_MESSAGE", 500)
+    with (
+        pytest.raises(CommandError, match="a chunk unpacks to more than 500 bytes"),
+        BagReader(tmp_path / "old.bag") as reader,
+    ):
+        list(reader.messages())
