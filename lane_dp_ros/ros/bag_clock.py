@@ -23,10 +23,6 @@ class BagClock:
         self._publisher = node.create_publisher(Clock, TOPIC, 1)
         self._next = 0.0
 
-    def start(self) -> None:
-        """Begin anew: the next tick publishes."""
-        self._next = 0.0
-
     def tick(self, time_ns: int) -> float:
         """Publish the bag's time [ns] when that is due; return when it will be due again [s, monotonic]."""
         now = time.monotonic()
