@@ -5,6 +5,7 @@
 #   make test    run the tests: all with the newest numpy and OpenCV, those of what Jazzy runs with Jazzy's
 #   make lint    ruff, mypy, and the directions of imports
 #   make bench   measure the speed, write tables and pictures to bench/
+#   make docs    build the documentation: docs/_build/index.html
 #   make clean   remove all that the above made, the venvs too
 #
 # Each makes the venvs that it needs, once. Wanted: Linux on x86-64, make, PyPI and Python 3.10 to 3.13 with venv;
@@ -28,6 +29,8 @@ options.venv-ros := --system-site-packages
 # mypy's verdict depends on the types that these declare; all have wheels for every Python that we take.
 pins.venv-lint := numpy==2.2.6 opencv-python-headless==5.0.0.93 rosbags==0.11.9
 extras.venv-lint := lint
+pins.venv-docs := "opencv-python-headless>=5"
+extras.venv-docs := docs
 
 ifdef ROS_DISTRO
     worlds := .venv-ros
@@ -48,7 +51,7 @@ export PYTHONNOUSERSITE := 1
 export ROS_PYTHON_CHECK_FIELDS := 1
 pip_install := -m pip install --quiet --disable-pip-version-check --no-input
 
-.PHONY: help demo test $(worlds:%=test-in-%) name-worlds lint bench clean check-python check-ros
+.PHONY: help demo test $(worlds:%=test-in-%) name-worlds lint bench docs clean check-python check-ros
 .NOTPARALLEL:
 
 help:
@@ -81,8 +84,12 @@ bench: $(main)/bench-$(python_version)
 	@$(main)/bin/python benchmarks/bench_pipeline.py
 	@$(main)/bin/python benchmarks/bench_node.py
 
+docs: .venv-docs/$(made)
+	@.venv-docs/bin/python -m sphinx -W --keep-going -q docs docs/_build
+	@echo "docs/_build/index.html"
+
 clean:
-	rm -rf .venv .venv-* build install log demo bench *.egg-info .coverage .*_cache .hypothesis
+	rm -rf .venv .venv-* build install log demo bench docs/_build docs/_pictures *.egg-info .coverage .*_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 %/$(made): setup.py Makefile | check-python

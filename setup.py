@@ -37,6 +37,8 @@ setup(
         "ros": [OPENCV, "pyyaml", "ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
         "test": [
             "hypothesis",
+            "mcap-ros2-support",
+            "pyarrow",
             "pytest",
             "pytest-cov",
             "pytest-xdist",
@@ -46,7 +48,17 @@ setup(
             "selenium",
         ],
         "fit": ["scipy"],
+        "parquet": ["pyarrow"],
         "bench": ["matplotlib", "scikit-image", "scipy"],
+        "docs": [
+            "matplotlib",
+            "myst-parser>=4",
+            "sphinx>=8",
+            "sphinx-argparse>=0.5",
+            "sphinx-copybutton",
+            "sphinx-rtd-theme>=3",
+            "sphinxcontrib-mermaid",
+        ],
         "lint": ["import-linter==2.11", "mypy==2.4.1", "ruff==0.17.6"],
     },
     entry_points={

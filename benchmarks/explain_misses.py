@@ -28,11 +28,9 @@ from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.annotations import Label, by_depth
 from lane_dp_ros.tools.evaluation.assignment import END_SLACK
+from lane_dp_ros.tools.evaluation.causes import NEAR, costly
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.progress import progress
-
-COSTLY = 3  # measurements that are told
-NEAR = 0.5  # m beside a label, in the mean; a candidate farther off is of something else
 
 
 def not_found(result: FrameScore) -> list[str]:
@@ -75,12 +73,7 @@ def explanations(pair: JudgedPair, detection: LaneDetection, label: Label, model
 
 def costs(candidate: Candidate, model: EvidenceModel) -> str:
     """Return the measurements by which a candidate loses most log-odds against the best paint there is."""
-    lost = {
-        name: model.terms["paint"][name].highest - part
-        for name, part in model.parts("paint", candidate.evidence).items()
-    }
-    costly = sorted(lost, key=lambda name: -lost[name])[:COSTLY]
-    return ", ".join(f"{name} {-lost[name]:.1f}" for name in costly)
+    return ", ".join(f"{name} {-lost:.1f}" for name, lost in costly(candidate, model).items())
 
 
 def misses(pairs: Sequence[JudgedPair], config: DetectorConfig) -> Iterator[str]:

@@ -30,7 +30,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "messages": ("messages",),
     "ros": ("ros",),
     "tools": (
-        *("tools.progress", "tools.parallel", "tools.parameter_file", "tools.datasets", "tools.offline"),
+        *("tools.progress", "tools.parallel", "tools.parameter_file", "tools.detection_config"),
+        *("tools.datasets", "tools.offline"),
         *("tools.evaluation", "tools.evidence_fit", "tools.report", "tools.demo", "tools.cli"),
     ),
     "leaves": ("scenes", "review"),

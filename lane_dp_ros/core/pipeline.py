@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
@@ -23,11 +25,12 @@ from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.tracking.tracker import LaneTracker
-from lane_dp_ros.core.types import Lane, Prior, StereoFrame
+from lane_dp_ros.core.types import Lane, Prior, StereoFrame, with_roles
 
 ROWS_PERIOD_NS = 500_000_000  # between comparisons of the rows of left and right: a calibration does not jump
 COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
 VOTE_PERIOD_NS = 300_000_000  # for which the axis goes on from frame to frame; then the edges vote anew
+SAME_PLACE = 0.25  # m; a road edge so near to a lane's centre is that lane's paint
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}
 
@@ -104,7 +107,8 @@ class LanePipeline:
             self._road.update(detection.road)
             self._configure_trackers(config)
             lanes = self._tracked(detection, stamp_ns)
-            road_edges = self._edge_tracker.update(detection.road_edges, stamp_ns)
+            tracked_edges = self._edge_tracker.update(detection.road_edges, stamp_ns)
+            road_edges = with_roles([edge for edge in tracked_edges if not _lies_on_paint(edge, lanes)])
         road = detection.road_estimate
         problem = ""
         if road.source != "measured":
@@ -178,6 +182,15 @@ class LanePipeline:
             rows = vertical_disparity(frame.left, frame.right, detection.disparity, camera)
         road = detection.road if detection.road_estimate.source == "measured" else None
         return self._monitor.update(Observation(stamp_ns, road, lanes, rows), _nominal_road(camera, config))
+
+
+def _lies_on_paint(edge: Lane, lanes: tuple[Lane, ...]) -> bool:
+    """Whether most of a road edge runs along a lane: an edge from before, where paint is seen now."""
+    for lane in lanes:
+        apart = np.linalg.norm(edge.points[:, None, [0, 2]] - lane.points[:, [0, 2]], axis=2).min(axis=1)
+        if np.median(apart) < SAME_PLACE:
+            return True
+    return False
 
 
 def _nominal_road(camera: StereoCamera, config: DetectorConfig) -> RoadSurface:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lane_dp_ros.core.birdseye.birds_eye import birds_eye_view
-from lane_dp_ros.core.birdseye.edge_map import EdgeMap, edge_map
+from lane_dp_ros.core.birdseye.edge_map import edge_map
 from lane_dp_ros.core.birdseye.paint_map import paint_map_builder
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.config import DetectorConfig
@@ -20,7 +20,7 @@ from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.axis_refinement import AxisRefinement
 from lane_dp_ros.core.lanes.candidate import Candidate, LaneEvidence, LaneLine, LanePath, Variant
 from lane_dp_ros.core.lanes.edge_lines import EdgeLineSearch
-from lane_dp_ros.core.lanes.evidence import measure_border, measure_paint
+from lane_dp_ros.core.lanes.evidence import EvidenceSource, courses, measure_border, measure_paint
 from lane_dp_ros.core.lanes.line_fit import line_fit
 from lane_dp_ros.core.lanes.path_search import path_search
 from lane_dp_ros.core.lanes.scoring import EvidenceScoring
@@ -39,15 +39,6 @@ class RoadView:
     frame: StereoFrame
     disparity: DisparityMap
     surface: RoadSurface
-
-
-@dataclass(frozen=True, eq=False)
-class _Seen:
-    """Where the evidence for lines is looked up: what looks like paint, like borders, and the pictures."""
-
-    paint: PaintProfile
-    edges: EdgeMap
-    frame: StereoFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +113,8 @@ class LaneSearch:
             edges = edge_map(view, paint.paint_map)
             borders = self._edge_lines.find(edges, view)
         with watch("lane_selection"):
-            seen = _Seen(paint, edges, road.frame)
-            candidates = self._selected(self._measured(lines, seen, "path"), borders, seen)
+            source = EvidenceSource(paint, edges, road.frame)
+            candidates = self._selected(self._proposed(lines, borders, source), source)
         return SearchResult(paint, paths, candidates)
 
     def refined_axis(self, found: SearchResult) -> RoadAxis | None:
@@ -137,8 +128,7 @@ class LaneSearch:
         self, paths: Sequence[LanePath], paint: PaintProfile, rng: np.random.Generator
     ) -> list[LaneLine]:
         """Return lines through paths; those with free ends go on to further dashes, and end at stop lines."""
-        fitted = [self._fit.fit(path, paint, rng) for path in paths]
-        lines = [line for line in fitted if line is not None]
+        lines = self._fit.fit(paths, paint, rng)
         if self._config.path_search.free_ends:
             config, blank_cost = self._config, self._config.path_search.blank_cost
             lines = [
@@ -150,39 +140,38 @@ class LaneSearch:
             lines = [end_at_stop_line(line, paint, blank_cost, config.stop_line) for line in lines]
         return lines
 
-    def _measured(
-        self,
-        lines: Sequence[LaneLine],
-        seen: _Seen,
-        variant: Variant,
-        among: Sequence[Candidate] = (),
+    def _proposed(
+        self, lines: Sequence[LaneLine], borders: Sequence[LaneLine], source: EvidenceSource
     ) -> list[Candidate]:
-        """Return lines with their evidence for paint, compared `among` others, and what that says."""
-        others = [each.evidence for each in among]
-        needs_height = self._scoring.needs_height
-        measured = measure_paint(lines, seen.paint, seen.edges, seen.frame, needs_height, others)
-        return self._scored(lines, measured, variant)
-
-    def _scored(
-        self, lines: Sequence[LaneLine], evidence: Sequence[LaneEvidence], variant: Variant
-    ) -> list[Candidate]:
-        return self._scoring.scored([Candidate(*each, variant) for each in zip(lines, evidence, strict=True)])
-
-    def _selected(
-        self, candidates: Sequence[Candidate], borders: Sequence[LaneLine], seen: _Seen
-    ) -> tuple[Candidate, ...]:
-        """Return all candidates, near halves, parallels and borders among them, with the lanes first."""
+        """Return lines, the near halves of those that lead astray, and borders, with their evidence."""
+        blank_cost = self._config.path_search.blank_cost
         halves = [
             half
-            for each in candidates
-            if leads_astray(each.evidence)
-            and (half := near_half(each.line, seen.paint, self._config.path_search.blank_cost))
+            for line, course in zip(lines, courses(lines, source.paint), strict=True)
+            if leads_astray(*course) and (half := near_half(line, source.paint, blank_cost))
         ]
-        edges = self._scored(borders, measure_border(borders, seen.paint, seen.edges), "border")
-        proposed = [*candidates, *self._measured(halves, seen, "near half", candidates), *edges]
+        paint = measure_paint(lines, source, self._scoring.needs_height, halves)
+        candidates = [
+            *_candidates(lines, paint[: len(lines)], "path"),
+            *_candidates(halves, paint[len(lines) :], "near half"),
+            *_candidates(borders, measure_border(borders, source), "border"),
+        ]
+        return self._scoring.scored(candidates)
+
+    def _selected(self, proposed: Sequence[Candidate], source: EvidenceSource) -> tuple[Candidate, ...]:
+        """Return all candidates, parallels to the lanes among them, with the lanes first."""
         chosen = self._scoring.selected(proposed)
         known = [each.line for each in chosen if not each.refusal]
-        lines = parallel_lines(known, seen.paint, self._config.parallel)
+        lines = parallel_lines(known, source.paint, self._config.parallel)
         if lines:
-            chosen = self._scoring.selected([*proposed, *self._measured(lines, seen, "parallel", candidates)])
+            paths = [each.evidence for each in proposed if each.variant == "path"]
+            evidence = measure_paint(lines, source, self._scoring.needs_height, among=paths)
+            parallels = self._scoring.scored(_candidates(lines, evidence, "parallel"))
+            chosen = self._scoring.selected([*proposed, *parallels])
         return tuple(sorted(chosen, key=lambda each: (bool(each.refusal), -each.score)))
+
+
+def _candidates(
+    lines: Sequence[LaneLine], evidence: Sequence[LaneEvidence], variant: Variant
+) -> list[Candidate]:
+    return [Candidate(*each, variant) for each in zip(lines, evidence, strict=True)]

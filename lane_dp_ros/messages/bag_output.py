@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a bag is written: beside its place first, moved there when it is complete."""
+"""Where bags and other files are written: beside their place first, moved there when they are complete."""
 
 from __future__ import annotations
 
+import glob
 import os
 import shutil
 from pathlib import Path
@@ -32,7 +33,7 @@ def is_bag(path: Path) -> bool:
 
 
 def check_output(path: Path, force: bool) -> None:
-    """Raise CommandError when `path` must not be written: it is there, or holds more than a bag."""
+    """Raise CommandError when a bag must not be written to `path`: it is there, or holds more than a bag."""
     if not os.path.lexists(path):
         return
     if not force:
@@ -41,26 +42,58 @@ def check_output(path: Path, force: bool) -> None:
         raise CommandError(f"{path} is no rosbag2, so --force does not delete it: choose another name")
 
 
-class Staging:
-    """A hidden folder beside `path` whose content is moved to `path` when complete."""
+def check_file_output(path: Path, force: bool) -> None:
+    """Raise CommandError when a file must not be written to `path`: it is there, or is a folder."""
+    if not os.path.lexists(path):
+        return
+    if not force:
+        raise CommandError(f"{path} exists already: choose another name, or add --force to replace it")
+    if not path.is_file():
+        raise CommandError(f"{path} is no file, so --force does not delete it: choose another name")
 
-    def __init__(self, path: Path) -> None:
+
+class Staging:
+    """A hidden folder beside `path` whose content is moved to `path` when complete.
+
+    What stands at `path` by then is replaced with `force` alone.
+    """
+
+    def __init__(self, path: Path, force: bool = False) -> None:
         self.path = path
-        self._folder = path.with_name(f".{path.name}.{os.getpid()}.part")
-        self.content = self._folder / f"{path.stem}_0"  # the storage file in it will be named as by rosbag2
+        self._force = force
+        self.folder = path.with_name(f".{path.name}.{os.getpid()}.part")
 
     def make(self) -> None:
-        """Make the folder. Raises OSError where nothing can be written."""
+        """Make the folder; those of processes that were killed go. Raises OSError where none can be made."""
         self.discard()  # one that was killed may have had our process id
-        self._folder.mkdir(parents=True)
+        for left in self.path.parent.glob(f".{glob.escape(self.path.name)}.*.part"):
+            if not _is_alive(left.suffixes[-2][1:]):
+                shutil.rmtree(left, ignore_errors=True)
+        self.folder.mkdir(parents=True)
 
-    def publish(self) -> None:
-        """Move the content to its place; what stood there before goes."""
+    def publish(self, content: Path) -> None:
+        """Move `content`, which lies in the folder, to its place; what stood there before goes.
+
+        Raises CommandError where something stands there that was not there at first, unless `force`.
+        """
         if os.path.lexists(self.path):
-            self.path.rename(self._folder / "replaced")
-        self.content.rename(self.path)
+            if not self._force:
+                raise CommandError(f"{self.path} was made by somebody else meanwhile: choose another name")
+            self.path.rename(self.folder / "replaced")
+        content.rename(self.path)
         self.discard()
 
     def discard(self) -> None:
         """Remove whatever is left."""
-        shutil.rmtree(self._folder, ignore_errors=True)
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _is_alive(process: str) -> bool:
+    """Whether a process of that number runs; what is no number is left alone as if it did."""
+    try:
+        os.kill(int(process), 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except (ValueError, PermissionError):
+        return True
+    return True

@@ -3,8 +3,8 @@
 """Pictures of lanes: over the left image, and in the bird's-eye view.
 
 A lane is drawn as the thin outline of its stripe, with a gap between outline and paint, so that the paint can
-be seen and judged; a road edge as a dotted line. The label says role, id and confidence in the colours that
-RViz shows.
+be seen and judged; a road edge as a dotted line. The label says role, id, kind and confidence in the colours
+that RViz shows.
 """
 
 from __future__ import annotations
@@ -111,11 +111,16 @@ def _draw_lanes(picture: Image8, lanes: Iterable[Lane], to_pixels: Callable[[Flo
     drawable.sort(key=lambda lane: lane.kind != "edge")
     for lane in drawable:
         if lane.kind == "edge":
-            _draw_dots(picture, to_pixels(_ahead(lane.points)), _colour(lane))
+            _draw_dots(picture, _shown(to_pixels(_ahead(lane.points))), _colour(lane))
         else:
-            _draw_outline(picture, to_pixels(_outline(lane)), _colour(lane))
+            _draw_outline(picture, _shown(to_pixels(_outline(lane))), _colour(lane))
     for lane in drawable:
-        _draw_label(picture, to_pixels(_ahead(lane.points)), lane)
+        _draw_label(picture, _shown(to_pixels(_ahead(lane.points))), lane)
+
+
+def _shown(pixels: Floats) -> Floats:
+    """Return the pixels (N, 2) without those of points that no picture shows, as beyond a bend's centre."""
+    return pixels[np.isfinite(pixels).all(axis=1)]
 
 
 def _draw_outline(picture: Image8, pixels: Floats, colour: tuple[float, float, float]) -> None:
@@ -144,8 +149,10 @@ def _draw_label(picture: Image8, pixels: Floats, lane: Lane) -> None:
     inside = np.all((pixels >= 0) & (pixels < (columns, rows)), axis=1)
     if inside.any():
         name = ("edge " if lane.kind == "edge" else "") + lane.role.replace("ego_", "")
-        identity = f" {lane.id}" if lane.id >= 0 else ""
-        _draw_text(picture, f"{name}{identity} {lane.confidence:.2f}", pixels[inside][0], _colour(lane))
+        identity = f"{lane.id}" if lane.id >= 0 else ""
+        kind = "" if lane.kind == "edge" else " ".join(filter(None, (lane.colour, lane.kind)))
+        text = " ".join(filter(None, (name, identity, kind, f"{lane.confidence:.2f}")))
+        _draw_text(picture, text, pixels[inside][0], _colour(lane))
 
 
 def _draw_text(picture: Image8, text: str, centre: Floats, colour: tuple[float, float, float]) -> None:

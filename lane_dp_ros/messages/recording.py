@@ -129,7 +129,7 @@ def _channels(connections: Sequence[Any], is_ros1: bool) -> Iterator[Channel]:
         name = f"/{each.topic.lstrip('/')}"  # some writers leave the slash away
         if is_ros1:
             if each.msgtype in typestore().types:
-                qos = _latched() if each.ext.latching else ()
+                qos = (latched_qos(),) if each.ext.latching else ()
                 yield Channel(name, each.msgtype, each.msgcount, qos, _from_ros1(each), each)
         elif each.ext.serialization_format == "cdr":
             qos = tuple(each.ext.offered_qos_profiles)
@@ -154,10 +154,10 @@ def _from_ros1(connection: Any) -> Convert:
     return lambda data: bytes(migrate(data, src_is2=False, dst_is2=True))
 
 
-def _latched() -> tuple[Any, ...]:
-    """Return the QoS of what ROS 1 calls latched."""
+def latched_qos() -> Any:
+    """Return the QoS (rosbags.interfaces.Qos) of a topic that is published once."""
     from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
-    none = QosTime(0, 0)
-    keep, reliable, last = QosHistory.KEEP_LAST, QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL
-    return (Qos(keep, 1, reliable, last, none, none, QosLiveliness.AUTOMATIC, none, False),)
+    ever = QosTime(2147483647, 4294967295)
+    reliable, local = QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL
+    return Qos(QosHistory.KEEP_LAST, 1, reliable, local, ever, ever, QosLiveliness.AUTOMATIC, ever, False)

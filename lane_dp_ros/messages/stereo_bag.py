@@ -7,7 +7,7 @@ from __future__ import annotations
 import bisect
 from collections import deque
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -116,18 +116,28 @@ class StereoImages(NamedTuple):
     right: NDArray[np.uint8] | None
 
 
-@dataclass(frozen=True)
+@dataclass
 class StereoBagWriter:
-    """Writes pairs and their camera infos; as JPEG on the compressed topics if `jpeg`."""
+    """Writes pairs and their camera infos; as JPEG on the compressed topics if `jpeg`.
+
+    With `camera_height` [m] the pose of the camera is written once on /tf_static: level, above `base_link`,
+    which lies on the road.
+    """
 
     writer: BagWriter
     P_left: NDArray[np.float64]
     P_right: NDArray[np.float64]
     jpeg: bool = False
+    camera_height: float | None = None
+    _posed: bool = field(default=False, init=False)
 
     def write(self, pair: StereoImages) -> None:
         """Write one pair: camera infos first, so that the first pair can be used."""
         stamp = stamp_to_ros(pair.stamp_ns, bag_message)
+        if self.camera_height is not None and not self._posed:
+            pose = _camera_pose(self.camera_height, stamp)
+            self.writer.write("/tf_static", pair.stamp_ns, pose, latched=True)
+            self._posed = True
         header = bag_message("std_msgs/msg/Header", stamp=stamp, frame_id=FRAME_ID)
         for side, P in (("left", self.P_left), ("right", self.P_right)):
             info = camera_info_to_ros(P, pair.left.shape, header, bag_message)
@@ -141,3 +151,16 @@ class StereoBagWriter:
                 self.writer.write(f"{topic}/compressed", pair.stamp_ns, message)
             else:
                 self.writer.write(topic, pair.stamp_ns, image_to_ros(image, header, bag_message))
+
+
+def _camera_pose(height: float, stamp: Any) -> Any:
+    """Return tf2_msgs/TFMessage: the optical frame in base_link, whose x is ahead and y left (REP 103)."""
+    turned = bag_message("geometry_msgs/msg/Quaternion", x=-0.5, y=0.5, z=-0.5, w=0.5)
+    above = bag_message("geometry_msgs/msg/Vector3", z=height)
+    transform = bag_message(
+        "geometry_msgs/msg/TransformStamped",
+        header=bag_message("std_msgs/msg/Header", stamp=stamp, frame_id="base_link"),
+        child_frame_id=FRAME_ID,
+        transform=bag_message("geometry_msgs/msg/Transform", translation=above, rotation=turned),
+    )
+    return bag_message("tf2_msgs/msg/TFMessage", transforms=[transform])

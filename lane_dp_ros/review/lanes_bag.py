@@ -16,7 +16,7 @@ from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.review.read_drive import find_lanes, find_left_topics
-from lane_dp_ros.tools.offline import answered
+from lane_dp_ros.tools.offline.answered import answered
 from lane_dp_ros.tools.progress import progress
 
 

@@ -91,7 +91,7 @@ def _nearest_ground(
     camera: StereoCamera, u: Floats, v: Floats, disparity: Floats, terms: int
 ) -> QuadraticSurface | None:
     """Return the quadratic nearest to disparities (N,) [px] at pixels, of its first `terms` coefficients."""
-    columns = QuadraticSurface(camera, (0.0, 0.0, 0.0, 0.0)).jacobian(u, v)[:terms].T
+    columns = QuadraticSurface(camera, (0.0, 0.0, 0.0, 0.0)).linearised(u, v)[1][:terms].T
     if len(columns) < 2 * terms:
         return None
     fitted = np.linalg.lstsq(columns, disparity, rcond=None)[0].tolist()

@@ -22,6 +22,7 @@ from lane_dp_ros.messages.image import image_from_ros
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import StereoBagWriter
+from lane_dp_ros.tools.offline.video import video
 from lane_dp_ros.tools.progress import progress
 
 FRAMES, RATE, SEED = 30, 10.0, 7  # three seconds of road, at KITTI's rate [Hz]
@@ -60,7 +61,9 @@ class Result:
 
 
 def run_demo(folder: Path, session_module: SessionModule, rate: float | None, command: str) -> None:
-    """Render, play, record; write road.mcap, lanes.mcap, overlay.png, ipm.png to `folder`; print a summary.
+    """Render, play, record; write bags, a video and pictures to `folder`; print a summary.
+
+    These are road.mcap, lanes.mcap, lanes.mp4, overlay.png and ipm.png.
 
     It is played `rate` times as fast as it was driven, None: as fast as this machine keeps up with. `command`
     is how lane_dp is called here, for the commands to try next.
@@ -82,9 +85,11 @@ def run_demo(folder: Path, session_module: SessionModule, rate: float | None, co
             raise CommandError(f"no lanes message came from lane_detector, see {log}")
     _write_strip(answers, "/overlay/image", folder / "overlay.png", np.vstack)
     _write_strip(answers, "/ipm/image", folder / "ipm.png", np.hstack)
+    _write_video(answers, "/overlay/image", folder / "lanes.mp4")
     result = _result(session, _count_road_edges(answers))
     print(f"{answers}: played at {RATE * session.rate:.3g} Hz, {result}")
-    print(f"pictures, to be looked at: {folder / 'overlay.png'}, {folder / 'ipm.png'}")
+    film, strips = folder / "lanes.mp4", f"{folder / 'overlay.png'}, {folder / 'ipm.png'}"
+    print(f"to be looked at: {film} in a video player, {strips}")
     if not any(result.lanes_per_frame):
         raise CommandError(f"lane_detector found no lane on the rendered road, see {folder / 'overlay.png'}")
     print("next, to be typed as they stand:", *_next_commands(command, folder, road), sep="\n  ")
@@ -109,7 +114,7 @@ def _render(writer: BagWriter) -> None:
     P_left = scenes.CAMERA.P_left
     P_right = P_left.copy()
     P_right[0, 3] -= scenes.CAMERA.fx * scenes.CAMERA.baseline
-    bag = StereoBagWriter(writer, P_left, P_right)
+    bag = StereoBagWriter(writer, P_left, P_right, camera_height=scenes.Road().camera_height)
     for pair in progress(scenes.render_sequence(FRAMES, RATE, SEED), FRAMES, "pair"):
         bag.write(pair)
 
@@ -145,3 +150,10 @@ def _write_strip(bag: Path, topic: str, path: Path, joined: Callable[[list[Image
         raise CommandError(f"no {topic} came from lane_detector")
     _, data = cv2.imencode(".png", joined(images))
     path.write_bytes(data.tobytes())
+
+
+def _write_video(bag: Path, topic: str, path: Path) -> None:
+    """Write all frames of an image topic as a video."""
+    with BagReader(bag) as reader, video(path, force=True) as film:
+        for _, _, message in reader.messages([topic]):
+            film.append(stamp_from_ros(message.header.stamp), image_from_ros(message))

@@ -22,7 +22,7 @@ from lane_dp_ros.core.geometry.quadratic_surface import QuadraticSurface
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
-from lane_dp_ros.core.lanes.evidence import measure_paint
+from lane_dp_ros.core.lanes.evidence import EvidenceSource, measure_paint
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.scenes import Road, ScenePair, render_pair
 
@@ -103,7 +103,7 @@ def disparity_of() -> Callable[..., DisparityMap]:
     """
 
     def disparity_of(surface: RoadSurface, shape: tuple[int, int] = SHAPE, cell: int = 1) -> DisparityMap:
-        empty = DisparityMap(shape, 0, np.zeros((shape[0] // cell, shape[1] // cell), np.float32))
+        empty = DisparityMap(shape, 0, np.zeros((shape[0] // cell, shape[1] // cell), np.float32), cell)
         u, v = np.meshgrid(*empty.centres)
         disparity = surface.disparity(u, v)
         return replace(empty, matched=np.where(disparity > 0, disparity, np.nan).astype(np.float32))
@@ -243,8 +243,8 @@ def evidence_of() -> Callable[..., LaneEvidence]:
         s = paint.view.s[rows]
         n = course(s) if callable(course) else np.full(len(s), course)
         line, mono = LaneLine(rows, s, n, bend=0.0, score=10.0), StereoFrame(paint.view.image)
-        edges = edge_map(paint.view, paint.paint_map)
-        (found,) = measure_paint([line], paint, edges, mono, lambda *_: True)
+        source = EvidenceSource(paint, edge_map(paint.view, paint.paint_map), mono)
+        (found,) = measure_paint([line], source, lambda *_: True)
         return found
 
     return evidence_of

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The road edges of the whole detector, on rendered roads between kerbs."""
 
-import cv2
 import numpy as np
 import pytest
 
@@ -60,11 +59,6 @@ def test_kerbs_are_the_edges_of_the_road(scene, detection):
         assert np.linalg.norm(np.diff(edge.points, axis=0), axis=1).max() <= 0.5
 
 
-@pytest.mark.xfail(
-    not cv2.__version__.startswith("4."),
-    strict=True,
-    reason="far off the border's path changes over to the road inside the line",
-)
 def test_far_off_a_kerb_is_no_nearer_than_the_line_before_it(rendered):
     road = road_with_kerbs("fields")
     pair = rendered(render_frame, Scene(road, motion=Motion(start=4.0)), 0, 1)

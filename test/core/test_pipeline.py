@@ -14,7 +14,7 @@ from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import UNCHECKED, FrameResult, LanePipeline
 from lane_dp_ros.core.road.vanishing_point import ArcVanishingPoint, direction_along
-from lane_dp_ros.core.types import Prior, StereoFrame
+from lane_dp_ros.core.types import Prior, StereoFrame, with_roles
 from lane_dp_ros.scenes import CAMERA, Road, render_pair, render_sequence
 from lane_dp_ros.scenes.road import UNPAINTED
 
@@ -470,3 +470,24 @@ def test_the_calibration_is_judged_unless_nobody_asks(frames):
     assert watched.lane_width == pytest.approx(3.5, abs=0.1)
     assert watched.complaint == ""
     assert unwatched == UNCHECKED
+
+
+@pytest.mark.parametrize(("aside", "stays"), [(0.0, False), (0.15, False), (0.5, True)])
+def test_a_road_edge_of_before_where_paint_is_seen_now_is_no_edge(frames, monkeypatch, aside, stays):
+    detect = LaneDetector.detect
+
+    def with_edges(*arguments):
+        """Detect, with a road edge beside the right line and one farther out, both to the right."""
+        found = detect(*arguments)
+        right = next(lane for lane in found.lanes if lane.role == "ego_right")
+        edges = [moved_aside(right, each, kind="edge") for each in (aside, 1.5)]
+        return replace(found, road_edges=with_roles(edges))
+
+    monkeypatch.setattr(LaneDetector, "detect", with_edges)
+    edges = LanePipeline().process(frames[0], CAMERA, START, CONFIG).road_edges
+    assert [edge.role for edge in edges] == (["ego_right", "other"] if stays else ["ego_right"])
+
+
+def moved_aside(lane, aside, **changes):
+    points = lane.points + np.array([aside, 0.0, 0.0])
+    return replace(lane, points=points, lateral_offset=lane.lateral_offset + aside, **changes)

@@ -26,7 +26,7 @@ from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.review.review import Review
 from lane_dp_ros.review.review_file import ReviewFile
 from lane_dp_ros.review.server import ReviewServer
-from lane_dp_ros.tools.offline import load_config
+from lane_dp_ros.tools.detection_config import load_config
 
 CAMERA = StereoCamera(fx=200.0, fy=200.0, cx=199.5, cy=60.0, baseline=0.5)
 P_LEFT = CAMERA.P_left

@@ -25,8 +25,8 @@ from lane_dp_ros.review.lines_as_truth import (
 from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.review.review import Review
 from lane_dp_ros.review.review_file import ReviewFile
+from lane_dp_ros.tools.detection_config import load_config
 from lane_dp_ros.tools.evaluation.truth_file import load_truth
-from lane_dp_ros.tools.offline import load_config
 
 CORRECT = Judgement("correct", "correct")
 

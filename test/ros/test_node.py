@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the node promises, on a rendered road: see its topics in the README."""
+"""What the node promises, on a rendered road: see docs/topics.md."""
 
 from dataclasses import replace
 

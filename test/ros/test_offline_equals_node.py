@@ -14,10 +14,11 @@ from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stamp import stamp_from_ros
-from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
+from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages, find_stereo_topics
 from lane_dp_ros.scenes import CAMERA, render_sequence
 from lane_dp_ros.tools.datasets.kitti import load_pairs, read_odometry
-from lane_dp_ros.tools.offline import detect_bag
+from lane_dp_ros.tools.offline.detect_bag import detect_bag
+from lane_dp_ros.tools.offline.lane_bag import RESOLUTION, LaneBag
 
 FRAME_NS = 100_000_000
 P_LEFT = CAMERA.P_left
@@ -27,16 +28,23 @@ P_RIGHT = P_LEFT - np.array([[0, 0, 0, CAMERA.fx * CAMERA.baseline], [0] * 4, [0
 def stamped(message):
     """The stamp [ns] of a message of markers, and what it tells, whichever library it is read by."""
     told = [
-        (m.ns, m.id, m.text, round(m.color.a, 6), m.scale.x, [(p.x, p.y, p.z) for p in m.points])
+        (m.ns, m.id, m.text, round(m.color.a, 6), m.scale.x, [_in_steps(p) for p in m.points])
         for m in message.markers
     ]
     return stamp_from_ros(message.markers[0].header.stamp), told
 
 
+def _in_steps(point):
+    """A point in the steps to which a bag rounds coordinates."""
+    return tuple(round(value / RESOLUTION) for value in (point.x, point.y, point.z))
+
+
 def offline_lanes(bag, out, jobs):
     """The `lanes` and the `road_edges` that `lane_dp run` writes, by stamp [ns], in order."""
     with BagReader(bag) as reader, BagWriter(out) as writer:
-        detect_bag(reader, writer, NodeConfig(), DetectorConfig(), jobs)
+        topics, config = find_stereo_topics(reader), NodeConfig()
+        bag = LaneBag(writer, topics.namespace, config.lane_lifetime)
+        detect_bag(reader, topics, [bag], (config, DetectorConfig()), jobs)
     with BagReader(out) as reader:
         topics = ("/lanes", "/road_edges")
         return [[stamped(message) for *_, message in reader.messages([topic])] for topic in topics]

@@ -57,7 +57,7 @@ def test_convert(tmp_path, capsys, options) -> None:
     assert convert(sequence(tmp_path), tmp_path / "bag", *options) == 0
     assert "3 pairs from" in capsys.readouterr().out
     with BagReader(tmp_path / "bag") as reader:
-        assert reader.message_count() == 12
+        assert reader.message_count() == 13
         assert ("/left/image_rect/compressed" in reader.topics) == ("--jpeg" in options)
 
 
@@ -111,14 +111,14 @@ def test_an_output_that_cannot_be_written(tmp_path, capsys) -> None:
 
 @pytest.mark.parametrize("inside", [False, True], ids=["folder", "file in it"])
 def test_the_input_is_never_replaced_by_the_output(tmp_path, capsys, inside) -> None:
-    bag = tmp_path / "bag.mcap"
+    bag = tmp_path / "bag"
     assert convert(sequence(tmp_path), bag) == 0
     capsys.readouterr()
     given = next(bag.glob("*.mcap")) if inside else bag
-    assert main(["run", str(given), "-o", str(tmp_path / "x/../bag.mcap"), "--force"]) == 1
+    assert main(["run", str(given), "-o", str(tmp_path / "x/../bag"), "--force"]) == 1
     assert "is the input bag itself" in only_line(capsys)
     with BagReader(bag) as reader:
-        assert reader.message_count() == 12
+        assert reader.message_count() == 13
 
 
 def test_a_failed_convert_leaves_nothing(tmp_path, capsys) -> None:
@@ -153,6 +153,9 @@ def test_a_terminated_convert_leaves_nothing(tmp_path) -> None:
         ["play", "x", "--rate", "0"],
         ["play", "x", "--rate", "fast"],
         ["run", "x"],
+        ["run", "x", "--no-images"],
+        ["run", "x", "-o", "y", "--jpeg", "--no-images"],
+        ["run", "x", "y", "-o", "z", "--force", "--skip-existing"],
         ["run", "x", "-o", "y", "--preset", "mine"],
         ["run", "x", "-o", "y", "--ros-args", "-r", "a:=b"],
         ["convert", "kitti-mono", "x", "-o", "y"],

@@ -101,7 +101,10 @@ def test_pictures(demo) -> None:
     overlay, ipm = (cv2.imread(str(demo[0] / name)) for name in ("overlay.png", "ipm.png"))
     assert overlay.shape == (4 * 375, 1242, 3)
     assert ipm.shape[0] >= 600
-    assert (demo[0] / "road.mcap/metadata.yaml").is_file()
+    assert (demo[0] / "road.mcap").is_file()
+    film = cv2.VideoCapture(str(demo[0] / "lanes.mp4"))
+    with BagReader(demo[0] / "lanes.mcap") as reader:
+        assert film.get(cv2.CAP_PROP_FRAME_COUNT) == reader.message_count(["/overlay/image"])
 
 
 ENDS = [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]

@@ -18,8 +18,8 @@ from lane_dp_ros.messages.node_config import NodeConfig, all_parameters
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode
 from lane_dp_ros.tools.cli import main
 from lane_dp_ros.tools.cli.dump_config import dumped_config
+from lane_dp_ros.tools.detection_config import load_config
 from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice
-from lane_dp_ros.tools.offline import load_config
 from lane_dp_ros.tools.parameter_file import parameter_file, read_parameter_file
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"

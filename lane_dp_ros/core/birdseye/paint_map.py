@@ -161,13 +161,15 @@ def road_texture(view: BirdsEyeView) -> NDArray[np.float32]:
     grey = cv2.boxFilter(view.image, cv2.CV_32F, (3, 1))
     lag = max(1, round(TEXTURE_LAG / per_row))
     padded = cv2.copyMakeBorder(grey, lag, lag, 0, 0, cv2.BORDER_REPLICATE)
-    change = np.asarray(padded[2 * lag :] - padded[: -2 * lag], dtype=np.float32)
-    power = np.minimum(change * change * np.float32(0.5), np.float32(TEXTURE_MAX**2))
-    on_road = view.on_road.astype(np.float32)
-    power *= on_road
+    change = cv2.subtract(padded[2 * lag :], padded[: -2 * lag])
+    power = cv2.multiply(change, change, scale=0.5)
+    _, power = cv2.threshold(power, TEXTURE_MAX**2, 0.0, cv2.THRESH_TRUNC)
+    on_road = view.on_road.view(np.uint8)
     window = odd_cells(TEXTURE_WINDOW[1], per_column), odd_cells(TEXTURE_WINDOW[0], per_row)
-    mean = cv2.blur(power, window) / np.maximum(cv2.blur(on_road, window), np.float32(0.02))
-    return np.asarray(np.sqrt(np.maximum(mean, 0)), dtype=np.float32)
+    total = cv2.blur(cv2.multiply(power, on_road, dtype=cv2.CV_32F), window)
+    share = cv2.boxFilter(on_road, cv2.CV_32F, window)
+    mean = cv2.divide(np.maximum(total, 0), np.maximum(share, np.float32(0.02)))
+    return np.asarray(cv2.sqrt(mean), dtype=np.float32)
 
 
 def band_contrast(image: NDArray[np.uint8], texture: Floats, per_column: float) -> NDArray[np.float32]:
@@ -180,28 +182,28 @@ def band_contrast(image: NDArray[np.uint8], texture: Floats, per_column: float) 
     gap = max(1, round(GAP / per_column))
     halves = [max(1, round((width / per_column - 1) / 2)) for width in PAINT_WIDTHS]
     reach = max(halves) + gap + flank
-    grey = cv2.copyMakeBorder(image, 0, 0, reach, reach, cv2.BORDER_REPLICATE).astype(np.float32)
+    grey = cv2.copyMakeBorder(image, 0, 0, reach, reach, cv2.BORDER_REPLICATE)
     aside = round(TEXTURE_ASIDE / per_column)
-    unit = 1 / (
-        cv2.copyMakeBorder(texture, 0, 0, aside, aside, cv2.BORDER_REPLICATE) + np.float32(SENSOR_NOISE)
-    )
+    around = cv2.copyMakeBorder(texture, 0, 0, aside, aside, cv2.BORDER_REPLICATE)
+    unit = 1 / (around + np.float32(SENSOR_NOISE))
 
-    def mean(first: int, width: int) -> Floats:
-        """Return, at column i, the mean of columns i + first .. i + first + width - 1."""
-        total = grey[:, reach + first : reach + first + columns].copy()
-        for k in range(reach + first + 1, reach + first + width):
-            total += grey[:, k : k + columns]
-        total *= np.float32(1 / width)
-        return total
+    def means(width: int) -> Floats:
+        """Return, at each padded column, the mean of `width` columns from there on."""
+        return np.asarray(cv2.boxFilter(grey, cv2.CV_32F, (width, 1), anchor=(0, 0)))
 
+    def at(values: Floats, first: int) -> Floats:
+        """Return what the padded `values` are `first` columns aside of each column."""
+        return values[:, reach + first : reach + first + columns]
+
+    flanks = means(flank)
     best: Floats | None = None
     for half in halves:
         offset = half + gap + 1
-        band = mean(-half, 2 * half + 1)
-        left = (band - mean(-offset - flank + 1, flank)) * unit[:, :columns]
-        right = (band - mean(offset, flank)) * unit[:, 2 * aside :]
-        contrast = np.minimum(left, right, out=left)
-        best = contrast if best is None else np.maximum(best, contrast, out=best)
+        band = at(means(2 * half + 1), -half)
+        left = cv2.multiply(cv2.subtract(band, at(flanks, -offset - flank + 1)), unit[:, :columns])
+        right = cv2.multiply(cv2.subtract(band, at(flanks, offset)), unit[:, 2 * aside :])
+        contrast = cv2.min(left, right)
+        best = contrast if best is None else cv2.max(best, contrast)
     return np.asarray(best, dtype=np.float32)
 
 

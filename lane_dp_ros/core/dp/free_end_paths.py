@@ -4,6 +4,7 @@
 
 The paper's Algorithm 2 has every path cross the whole picture, and charges lambda * j^2 for each step
 aside, so that a curved line pays although it is smooth. Here
+
 - a node is (row, column, slope), and only a *change* of slope costs;
 - what is summed is a gain that may be negative, and a path starts and ends where it gains most: the start
   and the destination node of a lane, which the paper names as its future work (1).
@@ -39,21 +40,27 @@ Indices = NDArray[np.int32]
 class FreePaths:
     """The best path, from wherever it starts, to every node of a graph of rows x slopes x columns nodes.
 
-    `values` (rows, slopes, columns) float32: what the best path that ends in this node gains;
-    `score` (rows, columns) float32: the same, over all slopes; -inf where no path may end.
+    `padded` (rows, 1 + slopes + 1, p + columns + p) float32 holds the `values`, with -inf around them: one
+    slope more on each side, and p = slopes // 2 + 1 columns, so that what leads to a node is in the array;
+    `score` (rows, columns) float32: the highest value of all slopes; -inf where no path may end.
     Index i of a slope means i - slopes // 2 columns to the right from this row to the next.
     """
 
-    values: Floats
+    padded: Floats
     score: Floats
     bend_penalty: float
 
     @property
+    def values(self) -> Floats:
+        """Return what the best path that ends in each node gains, (rows, slopes, columns)."""
+        return _inside(self.padded)
+
+    @property
     def slope(self) -> Indices:
         """Return the index of the slope that gives `score` (rows, columns); of equals the straightest."""
-        best = np.zeros(self.score.shape, np.int32)
-        for i in reversed(_straightest_first(self.values.shape[1])):
-            np.copyto(best, i, where=self.values[:, i] == self.score)
+        values, best = self.values, np.zeros(self.score.shape, np.int32)
+        for i in reversed(_straightest_first(values.shape[1])):
+            np.copyto(best, i, where=values[:, i] == self.score)
         return best
 
     def trace(self, row: int, column: int) -> Indices:
@@ -65,44 +72,49 @@ class FreePaths:
         rows, columns = self.score.shape
         if not (0 <= row < rows and 0 <= column < columns):
             raise ValueError(f"({row}, {column}) is not in the graph, expected below ({rows}, {columns})")
-        if np.isneginf(self.score[row, column]):
-            raise ValueError(f"no path may end in ({row}, {column}): it is forbidden")
-        slopes = self.values.shape[1]
         ends = self.values[row, :, column].tolist()
-        slope: int | None = max(_straightest_first(slopes), key=ends.__getitem__)
-        nodes = []
-        while slope is not None:
-            nodes.append((row, column, slope))
-            slope = self._slope_before(row, column, slope)
-            row, column = row - 1, column - ((slope or 0) - slopes // 2)
-        return np.array(nodes[::-1], np.int32)
+        slope = max(_straightest_first(len(ends)), key=ends.__getitem__)
+        if ends[slope] == -np.inf:
+            raise ValueError(f"no path may end in ({row}, {column}): it is forbidden")
+        nodes = self._nodes_before(row, column, slope)[::-1]
+        rows_of, slopes_of, columns_of = np.unravel_index(nodes, self.padded.shape)
+        pad = self.padded.shape[1] // 2
+        return np.stack([rows_of, columns_of - pad, slopes_of - 1], axis=1).astype(np.int32)
 
-    def _slope_before(self, row: int, column: int, slope: int) -> int | None:
-        """Return the slope of the node before this one on the best path to it; None where it starts here."""
-        if row == 0:
-            return None
-        best, best_gain = None, 0.0
-        _, slopes, columns = self.values.shape
-        values, penalty = self._values, self.bend_penalty
-        u = column - slope + slopes // 2
-        # Of equals the one without a bend.
-        for i, here, bent in ((slope, u, 0.0), (slope - 1, u + 1, penalty), (slope + 1, u - 1, penalty)):
-            if 0 <= i < slopes and 0 <= here < columns:
-                gain = values[row - 1, i, here] - bent
-                if gain > best_gain:
-                    best, best_gain = i, gain
-        return best
+    def _nodes_before(self, row: int, column: int, slope: int) -> list[int]:
+        """Return the places in `padded`, flat, of the nodes of the best path to this one, its end first."""
+        _, slopes, width = self.padded.shape
+        pad, row_before = slopes // 2, slopes * width
+        values, penalty = self._flat, self.bend_penalty
+        at, aside = row * row_before + (slope + 1) * width + column + pad, slope + 1 - pad
+        nodes = [at]
+        while at >= row_before:
+            straight = at - row_before - aside
+            left, right = straight - width + 1, straight + width - 1  # the slopes beside lead here, too
+            gains = values[straight], values[left] - penalty, values[right] - penalty
+            gain = max(gains)
+            if gain <= 0:
+                break
+            # Of equals the one without a bend.
+            if gain == gains[0]:
+                at = straight
+            elif gain == gains[1]:
+                at, aside = left, aside - 1
+            else:
+                at, aside = right, aside + 1
+            nodes.append(at)
+        return nodes
 
     @cached_property
-    def _values(self) -> memoryview:
-        """The values, an element of which costs a third of what it costs to index the array."""
-        return memoryview(self.values)  # type: ignore[arg-type]
+    def _flat(self) -> memoryview:
+        """`padded`, flat: an element costs a fraction of what it costs to index the array."""
+        return memoryview(self.padded.ravel())  # type: ignore[arg-type]
 
 
 def free_paths(gain: ArrayLike, bend_penalty: float) -> FreePaths:
     """Find the best paths with free start and free end to all nodes of a graph, rows in the order given.
 
-    With j = i - slopes // 2 the slope [columns a row] of index i,
+    With j = i - slopes // 2 the slope [columns a row] of index i::
 
         E(r, j, u) = gain(r, j, u)
             + max(0, max over |j' - j| <= 1 of E(r - 1, j', u - j') - bend_penalty * |j' - j|)
@@ -123,19 +135,18 @@ def free_paths(gain: ArrayLike, bend_penalty: float) -> FreePaths:
         raise ValueError(f"bend_penalty is {bend_penalty}, expected a finite number >= 0")
     penalty = np.float32(bend_penalty)
     rows, slopes, columns = gain.shape
-    reach = slopes // 2
-    padded = np.full((rows, slopes, columns + 2 * reach), -np.inf, np.float32)
-    E = padded[:, :, reach : reach + columns]
+    padded = np.full((rows, slopes + 2, columns + 2 * (slopes // 2 + 1)), -np.inf, np.float32)
+    E = _inside(padded)
     E[0] = gain[0]
-    bent = np.full((slopes + 2, columns), -np.inf, np.float32)  # one slope more on each side: no path has it
     best = np.empty((slopes, columns), np.float32)
-    for straight, own, total in zip(_moved_on(padded)[:-1], gain[1:], E[1:], strict=True):
-        np.subtract(straight, penalty, out=bent[1:-1])
-        np.maximum(bent[:-2], bent[2:], out=best)
-        np.maximum(best, straight, out=best)
-        np.maximum(best, 0, out=best)
+    start = np.zeros_like(best)  # the maximum with a number takes three times as long
+    for moved, own, total in zip(_moved_on(padded)[:-1], gain[1:], E[1:], strict=True):
+        np.maximum(moved[:-2], moved[2:], out=best)
+        np.subtract(best, penalty, out=best)
+        np.maximum(best, moved[1:-1], out=best)
+        np.maximum(best, start, out=best)
         np.add(best, own, out=total)
-    return FreePaths(E, E.max(axis=1), float(penalty))
+    return FreePaths(padded, E.max(axis=1), float(penalty))
 
 
 def segment_gain(
@@ -159,17 +170,21 @@ def segment_gain(
     blocks, columns = len(picture) // step, picture.shape[1]
     costs = np.zeros(2 * max_slope + 1) if slope_cost is None else slope_cost
     costs = np.asarray(costs, np.float32)
-    # The rows of a block apart from one another, so that those of all blocks are summed up in one piece.
-    padded = np.full((step, blocks, columns + 2 * max_slope), -np.inf, np.float32)
+    # The rows of a block apart from one another, padded and flat: those of all blocks are summed up in one
+    # piece, whatever lies between the columns of one block and those of the next.
+    width = columns + 2 * max_slope
+    size = blocks * width
+    padded = np.full((step, size + 2 * max_slope), -np.inf, np.float32)
     rows = picture[: blocks * step].reshape(blocks, step, columns).transpose(1, 0, 2)
-    np.multiply(rows, np.float32(length / step), out=padded[:, :, max_slope : max_slope + columns])
+    inside = padded[:, :size].reshape(step, blocks, width)[:, :, max_slope : max_slope + columns]
+    np.multiply(rows, np.float32(length / step), out=inside)
     gain = np.empty((blocks, 2 * max_slope + 1, columns), np.float32)
-    total = np.empty((blocks, columns), np.float32)
+    total = np.empty(size, np.float32)
     for i, lefts in enumerate(_first_columns(max_slope, step)):
-        np.subtract(padded[0, :, lefts[0] : lefts[0] + columns], costs[i], out=total)
-        for t in range(1, step):
-            total += padded[t, :, lefts[t] : lefts[t] + columns]
-        gain[:, i] = total
+        np.subtract(padded[0, lefts[0] : lefts[0] + size], costs[i], out=total)
+        for row, left in zip(padded[1:], lefts[1:], strict=True):
+            total += row[left : left + size]
+        gain[:, i] = total.reshape(blocks, width)[:, :columns]
     return gain
 
 
@@ -181,20 +196,26 @@ def _first_columns(max_slope: int, step: int) -> list[list[int]]:
     return [(max_slope + each).tolist() for each in aside]
 
 
-def _moved_on(padded: Floats) -> Floats:
-    """Return the view (rows, slopes, columns) whose [r, i, u] is the node of row r that leads to column u.
+def _inside(padded: Floats) -> Floats:
+    """Return the view (rows, slopes, columns) of a padded graph without its padding."""
+    pad = padded.shape[1] // 2
+    return padded[:, 1:-1, pad:-pad]
 
-    This node, E(r, j, u - j), lies at i * width + reach + (u - j) in row r of `padded`, with reach =
-    slopes // 2 columns of padding and j = i - reach: at i * (width - 1) + 2 * reach + u. So a view does
-    what a copy with indices would do. It reaches neither before nor behind the columns of its slope, and
-    what it meets beside the graph is padding, -inf.
+
+def _moved_on(padded: Floats) -> Floats:
+    """Return the view (rows, slopes + 2, columns) whose [r, i, u] is the node of row r that leads to u.
+
+    This node, E(r, j, u - j), lies at i * width + pad + (u - j) in row r of `padded`, with `pad` columns of
+    padding and j = i - pad: at i * (width - 1) + 2 * pad + u. So a view does what a copy with indices would
+    do. It reaches neither before nor behind the columns of its slope, and what it meets beside the graph is
+    padding, -inf.
     """
     rows, slopes, width = padded.shape
-    reach = slopes // 2
+    pad = slopes // 2
     row_bytes, slope_bytes, column_bytes = padded.strides
-    shape = (rows, slopes, width - 2 * reach)
+    shape = (rows, slopes, width - 2 * pad)
     strides = (row_bytes, slope_bytes - column_bytes, column_bytes)
-    return as_strided(padded[:, 0, 2 * reach :], shape, strides, writeable=False)
+    return as_strided(padded[:, 0, 2 * pad :], shape, strides, writeable=False)
 
 
 @cache

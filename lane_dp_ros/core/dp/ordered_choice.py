@@ -75,23 +75,38 @@ def marginals(worth: Floats, together: Floats, skipping: Floats | None = None) -
     rows, count, classes = worth.shape
     if skipping is None:
         skipping = np.zeros((rows, count + 2, count + 2))
-    joined = np.maximum(together + skipping[:, 1:-1, 1:-1, None, None], NEVER)
-    to, after = np.empty_like(worth, np.float64), np.empty_like(worth, np.float64)
-    for j in range(count):
-        came = (to[:, :j, :, None] + joined[:, :j, j]).reshape(rows, -1, classes)
-        to[:, j] = worth[:, j] + _log_sum(came, skipping[:, 0, j + 1, None])
-    for i in reversed(range(count)):
-        goes = joined[:, i, i + 1 :] + (worth + after)[:, i + 1 :, None]
-        goes = goes.transpose(0, 1, 3, 2).reshape(rows, -1, classes)
-        after[:, i] = _log_sum(goes, skipping[:, i + 1, -1, None])
-    ends = to + skipping[:, 1:-1, -1, None]
-    log_total = _log_sum(ends.reshape(rows, -1, 1), skipping[:, 0, -1, None])[:, 0]
-    total = log_total[:, None, None]
-    of_things = np.exp(to + after - total)
-    pairs = to[:, :, None, :, None] + joined + (worth + after)[:, None, :, None, :]
+    worth = np.maximum(worth, NEVER)
+    joined = np.maximum(together + skipping[:, 1:-1, 1:-1, None, None], NEVER) + worth[:, None, :, None, :]
+    first, last = worth + skipping[:, 0, 1:-1, None], skipping[:, 1:-1, -1, None]
+    # Everything relative to the best choice that ends with the thing in its class: no exponential overflows.
+    best = _best_up_to(first, joined)
+    top = np.maximum((best + last).max(axis=(1, 2), initial=NEVER), skipping[:, 0, -1])
+    begins, ends = np.exp(first - best), np.exp(best + last - top[:, None, None])
     in_order = np.triu(np.ones((count, count), bool), 1)[..., None, None]
-    of_pairs = np.exp(np.where(in_order, pairs - total[..., None, None], NEVER))
-    return Marginals(log_total, of_things, of_pairs)
+    relative = best[:, :, None, :, None] + joined - best[:, None, :, None, :]
+    steps = np.exp(np.where(in_order, relative, NEVER))
+    # All chains of steps from one to the other: 1 + S + S^2 + ..., a sum that ends, as they are in order.
+    flat = steps.transpose(0, 1, 3, 2, 4).reshape(rows, count * classes, count * classes)
+    chains = np.linalg.inv(np.eye(count * classes) - flat)
+    to = (begins.reshape(rows, 1, -1) @ chains).reshape(worth.shape)
+    after = (chains @ ends.reshape(rows, -1, 1)).reshape(worth.shape)
+    total = np.exp(skipping[:, 0, -1] - top) + (to * ends).sum(axis=(1, 2))
+    to /= total[:, None, None]
+    of_pairs = to[:, :, None, :, None] * steps * after[:, None, :, None, :]
+    return Marginals(top + np.log(total), to * after, of_pairs)
+
+
+def _best_up_to(first: Floats, joined: Floats) -> Floats:
+    """Return what the best choice is worth that ends with each thing in each class, (rows, things, classes).
+
+    `first` (rows, things, classes) is what a choice is worth that begins with it, `joined` (rows, things,
+    things, classes, classes) what the second of two adds.
+    """
+    best = first.astype(np.float64)
+    for j in range(1, first.shape[1]):
+        came = (best[:, :j, :, None] + joined[:, :j, j]).max(axis=(1, 2))
+        np.maximum(best[:, j], came, out=best[:, j])
+    return best
 
 
 def at_least_one(sets: Sequence[Sequence[int]], count: int) -> Floats:
@@ -102,10 +117,3 @@ def at_least_one(sets: Sequence[Sequence[int]], count: int) -> Floats:
         before, behind = place < min(things) + 1, place > max(things) + 1
         skipping[before[:, None] & behind] = NEVER
     return skipping
-
-
-def _log_sum(terms: Floats, one_more: Floats) -> Floats:
-    """Return log(sum(exp)) over axis 1 of `terms` (rows, N, classes) and of `one_more` (rows, 1)."""
-    top = np.maximum(terms.max(axis=1, initial=NEVER), one_more)
-    total = np.exp(terms - top[:, None]).sum(axis=1) + np.exp(one_more - top)
-    return np.asarray(top + np.log(total))

@@ -78,7 +78,7 @@ def ransac_parabola(
 
 
 def tukey_weights(residuals: Floats, tolerance: float) -> Floats:
-    """Return Tukey's biweight of residuals (N,): 1 at zero, 0 beyond the tolerance."""
+    """Return Tukey's biweight of residuals (..., N): 1 at zero, 0 beyond the tolerance."""
     w = residuals * residuals.dtype.type(1 / tolerance)
     w *= w
     np.subtract(1, w, out=w)
@@ -90,22 +90,26 @@ def tukey_weights(residuals: Floats, tolerance: float) -> Floats:
 def tukey_fit(
     A: Floats, y: Floats, weights: Floats, ridge: Floats, tolerances: Floats, start: Floats | None = None
 ) -> Floats:
-    """Return b of A b = y by weighted least squares with Tukey's biweight, re-weighted once a tolerance.
+    """Return b (..., p) of A b = y by weighted least squares with Tukey's biweight, one round a tolerance.
 
-    `A` (N, p), `y` and `weights` (N,); `ridge` (p, p) is added to the normal equations; residuals beyond a
-    tolerance count nothing. Without `start` the first round takes all points. It ends before the tolerances
-    do where the fit stands still and the tolerance does, too.
+    `A` (..., N, p), `y` and `weights` (..., N): each fit of a stack is by itself. `ridge` (p, p) is added to
+    the normal equations; residuals beyond a tolerance count nothing. Without `start` the first round takes
+    all points. A fit ends before the tolerances do where it stands still and the tolerance does, too.
     """
     b: Floats | None = start
     before = np.inf
-    A_T = np.ascontiguousarray(A.T)
+    A_T = np.ascontiguousarray(np.swapaxes(A, -1, -2))
+    going = np.ones((*A.shape[:-2], 1), bool)
     for tolerance in tolerances:
-        w = weights if b is None else weights * tukey_weights(y - A @ b, tolerance)
-        weighted = A_T * w
-        fitted = solved(weighted @ A + ridge, weighted @ y)
-        still = b is not None and tolerance == before and bool(np.abs(fitted - b).max() < STILL)
+        w = weights if b is None else weights * tukey_weights(y - (A @ b[..., None])[..., 0], tolerance)
+        weighted = A_T * w[..., None, :]
+        fitted = np.linalg.solve(weighted @ A + ridge, weighted @ y[..., None])[..., 0]
+        if b is not None:
+            moves = np.abs(fitted - b).max(axis=-1, keepdims=True) >= STILL
+            fitted = np.where(going, fitted, b)
+            going &= moves | (tolerance != before)
         b, before = fitted, tolerance
-        if still:
+        if not going.any():
             break
     return np.asarray(b)
 

@@ -81,13 +81,13 @@ def shortest_paths(cost: ArrayLike, k: int = 1, smoothness: float = 0.0) -> Shor
     """Find the shortest paths from the bottom row of a graph to all its nodes.
 
     Algorithm 2 without the lanes; with smoothness 0 it is Algorithm 1.
-    With v counted from the bottom row v = 1, E(u, 1) = 0 and
+    With v counted from the bottom row v = 1, E(u, 1) = 0 and::
 
         E(u, v) = cost(u, v) + min over |j| <= k of E(u - j, v - 1) + smoothness * j^2.
 
     So an edge costs what the node it *enters* costs, as in eq. (1) with F[P, (u, v)] = 1 - f(u, v), and the
     bottom node's own cost does not count, as Algorithm 1 sets it. Of parents that cost the same the one with
-    the least |j| is taken, then the left one.
+    the least `abs(j)` is taken, then the left one.
 
     Args:
         cost: (rows, columns), the cost of each node, of any sign; inf forbids a node, in the last row too.

@@ -10,20 +10,21 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-EPSILON = 1e-9  # cells; keeps a pixel on the border of a cell in it, whatever its product rounds to
-
 
 @dataclass(frozen=True, eq=False)
 class DisparityMap:
     """The disparity [px] of an image of `shape` (H, W), matched at a lower resolution from row `first` on.
 
-    `matched` (h, w) float32 holds the disparities in pixels of the whole image, NaN where there is no match;
-    a pixel has the disparity of the cell that it lies in. Rows above `first` have none.
+    `matched` (h, w) float32 holds the disparities in pixels of the whole image, NaN where there is no match,
+    of cells with a side of `cell` [px]. A pixel has the disparity of the cell it lies in; where an image
+    is no multiple of cells, those at its right and lower border have that of the last one. Rows above `first`
+    have none.
     """
 
     shape: tuple[int, int]
     first: int
     matched: NDArray[np.float32]
+    cell: int = 1
 
     @classmethod
     def unknown(cls, shape: tuple[int, int]) -> DisparityMap:
@@ -33,10 +34,9 @@ class DisparityMap:
     def at(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float32]:
         """Return the disparity [px] of pixels (N,), NaN where there is none."""
         height, width = self.matched.shape
-        scale = height / max(self.shape[0] - self.first, 1), width / max(self.shape[1], 1)
-        row = ((rows - self.first) * scale[0] + EPSILON).astype(np.intp)
-        cells = row * width + (columns * scale[1] + EPSILON).astype(np.intp)
-        found = self.matched.ravel().take(cells, mode="clip")
+        row = np.minimum((rows - self.first) // self.cell, height - 1)
+        column = np.minimum(columns // self.cell, width - 1)
+        found = self.matched.ravel().take(row * width + column, mode="clip")
         above = rows < self.first
         if np.any(above):
             found = np.where(above, np.float32(np.nan), found)
@@ -44,20 +44,14 @@ class DisparityMap:
 
     def nearest(self, u: NDArray[np.float32], v: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the disparity [px] of the pixels nearest to (u, v), arrays of one shape; NaN for none."""
-        return self.at(np.rint(v), np.rint(u))
-
-    @property
-    def cell_size(self) -> tuple[float, float]:
-        """Width and height [px] of a cell."""
-        height, width = self.matched.shape
-        return self.shape[1] / width, (self.shape[0] - self.first) / height
+        return self.at(np.rint(v).astype(np.intp), np.rint(u).astype(np.intp))
 
     @cached_property
     def centres(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """The pixels u (w,) and v (h,) in the middle of the cells' columns and rows."""
-        (height, width), (across, along) = self.matched.shape, self.cell_size
-        u = (np.arange(width) + 0.5) * across - 0.5
-        v = (np.arange(height) + 0.5) * along + self.first - 0.5
+        height, width = self.matched.shape
+        u = (np.arange(width) + 0.5) * self.cell - 0.5
+        v = (np.arange(height) + 0.5) * self.cell + self.first - 0.5
         return u.astype(np.float32), v.astype(np.float32)
 
     @cached_property

@@ -46,10 +46,10 @@ class QuadraticSurface(RoadSurface):
         along = (b1 + 2 * b2 * (v - self.camera.cy) / PIXELS) / PIXELS
         return np.full_like(along, b3 / PIXELS), along
 
-    def jacobian(self, u: Array, v: Array) -> Array:
+    def linearised(self, u: Array, v: Array) -> tuple[Array, Array]:
         """See `RoadSurface`."""
         n, m = (v - self.camera.cy) / PIXELS, (u - self.camera.cx) / PIXELS
-        return np.stack([np.ones_like(n), n, n * n, m])
+        return self.disparity(u, v), np.stack([np.ones_like(n), n, n * n, m])
 
     def ground_to_pixel(self, x: Array, z: Array) -> tuple[Array, Array]:
         """See `RoadSurface`: the root of the quadratic on the road's side."""

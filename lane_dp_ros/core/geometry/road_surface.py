@@ -45,8 +45,8 @@ class RoadSurface(ABC):
         """Return the change of disparity per column and per row [px/px] at pixels (u, v)."""
 
     @abstractmethod
-    def jacobian(self, u: Array, v: Array) -> Array:
-        """Return the derivatives (4, N) of the disparity at pixels (u, v), (N,), by the coefficients."""
+    def linearised(self, u: Array, v: Array) -> tuple[Array, Array]:
+        """Return disparity (N,) at pixels (u, v), (N,), and its derivatives (4, N) by the coefficients."""
 
     @abstractmethod
     def ground_to_pixel(self, x: Array, z: Array) -> tuple[Array, Array]:
@@ -91,12 +91,11 @@ class RoadSurface(ABC):
         """
         if self.covariance is None:
             return np.full(np.shape(u), np.nan)
-        J = self.jacobian(u, v)
+        d, J = self.linearised(u, v)
         of_surface = np.einsum("i...,ij,j...->...", J, self.covariance, J)
-        uneven = UNEVENNESS / self.camera_height * self.disparity(u, v)
-        _, z = self.pixel_to_ground(u, v)
+        uneven = UNEVENNESS / self.camera_height * d
         deviation = np.sqrt(of_surface + RECTIFICATION**2 + uneven**2)
-        return np.asarray(z**2 / (self.camera.fx * self.camera.baseline) * deviation)
+        return np.asarray(self.camera.fx * self.camera.baseline / np.where(d > 0, d, np.nan) ** 2 * deviation)
 
     def depth_deviation_ahead(self, depth: float) -> float | None:
         """Return the standard deviation [m] of the ground's depth straight ahead, None where unknown.

@@ -59,23 +59,25 @@ class VerticalCurve(RoadSurface):
 
     def disparity(self, u: Array, v: Array) -> Array:
         """See `RoadSurface`; zero where the viewing ray misses the road."""
-        q, _ = self._inverse_depth(u, v)
+        _, q = self._inverse_depth(u, v)
         return np.asarray(self.camera.fx * self.camera.baseline * q)
 
     def gradient(self, u: Array, v: Array) -> tuple[Array, Array]:
         """See `RoadSurface`."""
-        _, per_tangent = self._inverse_depth(u, v)
-        per_row = self.camera.fx * self.camera.baseline / self.camera.fy * per_tangent
+        root, q = self._inverse_depth(u, v)
+        per_row = self.camera.fx * self.camera.baseline / self.camera.fy * q / np.maximum(root, SMALLEST)
         return per_row * (self.coefficients[3] * self.camera.fy / self.camera.fx), per_row
 
-    def jacobian(self, u: Array, v: Array) -> Array:
+    def linearised(self, u: Array, v: Array) -> tuple[Array, Array]:
         """See `RoadSurface`: implicit derivatives of F(1 / z; coefficients) = 0, the viewing ray's height."""
-        q, per_tangent = self._inverse_depth(u, v)
+        root, q = self._inverse_depth(u, v)
+        unit = self.camera.fx * self.camera.baseline
+        J = np.empty((4, *q.shape), q.dtype)
         far = np.maximum(q, SMALLEST)
-        by_curvature = (1 - NEAR_DEPTH * far) ** 2 / (2 * far)
-        x = (u - self.camera.cx) / self.camera.fx
-        J = np.stack(np.broadcast_arrays(-q, np.ones_like(q), by_curvature, x))
-        return np.asarray(J * (self.camera.fx * self.camera.baseline * per_tangent))
+        J[0], J[1], J[3] = -q, 1, (u - self.camera.cx) / self.camera.fx
+        J[2] = (1 - NEAR_DEPTH * far) ** 2 / (2 * far)
+        J *= unit * q / np.maximum(root, SMALLEST)
+        return unit * q, J
 
     def ground_to_pixel(self, x: Array, z: Array) -> tuple[Array, Array]:
         """See `RoadSurface`."""
@@ -121,14 +123,15 @@ class VerticalCurve(RoadSurface):
         return height - curvature / 2 * NEAR_DEPTH**2, slope - curvature * NEAR_DEPTH
 
     def _inverse_depth(self, u: Array, v: Array) -> tuple[Array, Array]:
-        """Return q = 1 / z [1/m] of the road at pixels, and its change per (v - cy) / fy; 0 for no road.
+        """Return a root r and the inverse depth q = 1 / z [1/m] of the road at pixels; 0 for no road.
 
-        q is the root of foot q^2 - (tangent + slope) q - curvature / 2 = 0 on the near side of a crest.
+        q = (t + r) / 2 foot solves foot q^2 - t q - curvature / 2 = 0, with t = (v - cy) / fy + slope, on the
+        near side of a crest. Its change per (v - cy) / fy is q / r.
         """
         camera, (_, _, curvature, cross_slope) = self.camera, self.coefficients
         foot, slope = self._at_camera
         t = (v - camera.cy) / camera.fy + cross_slope * (u - camera.cx) / camera.fx + slope
         square = t * t + 2 * foot * curvature
         root = np.sqrt(np.maximum(square, 0))
-        q = np.where(square >= 0, np.maximum(t + root, 0), 0) / (2 * foot)
-        return q, q / np.maximum(root, SMALLEST)
+        q = np.maximum(t + root, 0) * (0.5 / foot)
+        return root, np.where(square >= 0, q, 0) if curvature < 0 else q

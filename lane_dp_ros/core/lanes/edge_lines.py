@@ -10,14 +10,15 @@ import numpy as np
 
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.birdseye.edge_map import EdgeMap
-from lane_dp_ros.core.lanes.candidate import LaneLine, LanePath
-from lane_dp_ros.core.lanes.line_fit import MIN_ROWS, polynomial_fit
+from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.line_fit import cubic_lines
 from lane_dp_ros.core.lanes.path_search import FreeEndSearch, PathSearchConfig
 
 BLANK_COST = 0.2  # of a border that a metre without any costs: borders are long, and seldom interrupted
-SEPARATION = 0.5  # m; nearer borders wait for the next pass
+SEPARATION = 0.5  # m; of borders that are nearer the longest is taken
 MIN_LENGTH = 2.0  # net metres of border
 MAX_PATHS = 10
+PASSES = 1  # a second search, for lines close beside those found, finds false borders
 
 
 class EdgeLineSearch:
@@ -31,21 +32,19 @@ class EdgeLineSearch:
                 separation_min=SEPARATION,
                 min_score=MIN_LENGTH,
                 max_paths=MAX_PATHS,
+                passes=PASSES,
             )
         )
 
     def find(self, edges: EdgeMap, view: BirdsEyeView) -> list[LaneLine]:
         """Return lines in the view along the borders of its map, the longest first."""
-        lines = (_line(path, edges, view) for path in self._search.find(edges, edges.resolution))
-        return [line for line in lines if line is not None]
+        paths = self._search.find(edges, edges.resolution)
+        half = edges.resolution[0] / 2
+        return [_in_rows_of(view, line, half) for line in cubic_lines(paths, edges.s, edges.centres)]
 
 
-def _line(path: LanePath, edges: EdgeMap, view: BirdsEyeView) -> LaneLine | None:
-    """Return the smooth line along a path through the edge map, in the rows of the view."""
-    if len(path.rows) < MIN_ROWS:
-        return None
-    n, bend = polynomial_fit(edges.s[path.rows], *edges.centres(path.rows, path.columns))
-    half = edges.resolution[0] / 2
-    s = edges.s[path.rows]
-    rows = np.flatnonzero((view.s > s[0] - half) & (view.s < s[-1] + half))[::-1]
-    return LaneLine(rows, view.s[rows], np.interp(view.s[rows], s, n), bend, path.score)
+def _in_rows_of(view: BirdsEyeView, line: LaneLine, half: float) -> LaneLine:
+    """Return a line through cells of the edge map, `half` [m] of a cell longer, in the rows of the view."""
+    rows = np.flatnonzero((view.s > line.s[0] - half) & (view.s < line.s[-1] + half))[::-1]
+    s = view.s[rows]
+    return LaneLine(rows, s, np.interp(s, line.s, line.n), line.bend, line.score)

@@ -35,6 +35,7 @@ from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 Cells = NDArray[np.intp]
+Columns = dict[str, Floats]  # of all lines, by the name of the measurement
 NeedsHeight = Callable[[Sequence[LaneEvidence]], NDArray[np.bool_]]
 
 STEPS = (  # maps of `EdgeMap` that are looked up along lines
@@ -46,6 +47,7 @@ STEPS = (  # maps of `EdgeMap` that are looked up along lines
     "far_texture_step",
     "ground",
 )
+COMPARED = ("score", "contrast", "saturation_contrast")
 STEEPEST = 0.9  # share of a line that is less steep than what is told of it
 UNPAINTED = 0.35  # feature below which a row shows no paint
 ASIDE = 0.6  # m; where the texture beside the line is taken
@@ -54,34 +56,57 @@ SMOOTHED = 2.0  # m along a line, over which the noise of where its paint lies i
 LONG = 0.5  # share of the longest line's paint; shorter ones may be anything
 
 
+@dataclass(frozen=True, eq=False)
+class EvidenceSource:
+    """Where the evidence for lines is looked up: what looks like paint, like borders, and the grey frame."""
+
+    paint: PaintProfile
+    edges: EdgeMap
+    frame: StereoFrame
+
+
 def measure_paint(
     lines: Sequence[LaneLine],
-    paint: PaintProfile,
-    edges: EdgeMap,
-    frame: StereoFrame,
+    source: EvidenceSource,
     needs_height: NeedsHeight,
+    variants: Sequence[LaneLine] = (),
     among: Sequence[LaneEvidence] = (),
 ) -> list[LaneEvidence]:
-    """Return all evidence for lines in the view of a grey frame, compared `among` others or each other.
+    """Return all evidence for lines, and for variants of them, compared `among` others or to the lines.
 
-    Heights are measured, from both images, of the lines alone of which `needs_height` says so by all their
+    Heights are measured, from both images, of those alone of which `needs_height` says so by all their
     other evidence; of the others, and without a right image, they are unknown.
     """
-    if not lines:
+    each = [*lines, *variants]
+    if not each:
         return []
-    each = _rows_of(lines, paint)
-    measured = _with_paint(_borders(each, lines, paint, edges), each, lines, paint)
-    measured = compare_paint(measured, among or measured)
+    rows = _rows_of(each, source.paint)
+    columns = {**_of_borders(rows, source), **_of_paint(rows, source.paint)}
+    columns["score"] = np.array([line.score for line in each])
+    if among:
+        compared = {name: np.array([getattr(other, name) for other in among]) for name in COMPARED}
+    else:
+        compared = {name: columns[name][: len(lines)] for name in COMPARED}
+    columns["relative_contrast"] = _relative_contrast(columns, compared)
+    measured = _as_evidence(columns)
     needed = np.flatnonzero(needs_height(measured)).tolist()
-    heights = line_heights([lines[i] for i in needed], paint.view, frame)
+    heights = line_heights([each[i] for i in needed], source.paint.view, source.frame)
     for i, found in zip(needed, heights, strict=True):
-        measured[i] = _with_height(measured[i], lines[i], found)
+        measured[i] = _with_height(measured[i], each[i], found)
     return measured
 
 
-def measure_border(lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMap) -> list[LaneEvidence]:
+def measure_border(lines: Sequence[LaneLine], source: EvidenceSource) -> list[LaneEvidence]:
     """Return the evidence for lines being borders of the carriageway."""
-    return _borders(_rows_of(lines, paint), lines, paint, edges) if lines else []
+    return _as_evidence(_of_borders(_rows_of(lines, source.paint), source)) if lines else []
+
+
+def courses(lines: Sequence[LaneLine], paint: PaintProfile) -> list[tuple[float, float]]:
+    """Return `slope` and `off_paint_fraction` of lines, as their evidence has them."""
+    if not lines:
+        return []
+    rows = _rows_of(lines, paint)
+    return list(zip(_steepest(rows).tolist(), _off_paint_fraction(rows, paint).tolist(), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,56 +115,48 @@ class _Rows:
 
     lines: Segments
     rows: Cells
+    s: Floats
+    n: Floats
     column: Floats
     centre: Cells
     """The cell nearest to `column`."""
 
+    def kept(self, at: NDArray[np.bool_]) -> _Rows:
+        """Return those rows that are true, at least one a line."""
+        columns = self.column[at], self.centre[at]
+        return _Rows(self.lines.of_kept(at), self.rows[at], self.s[at], self.n[at], *columns)
+
 
 def _rows_of(lines: Sequence[LaneLine], paint: PaintProfile) -> _Rows:
-    n = np.concatenate([line.n for line in lines])
-    rows = np.concatenate([line.rows for line in lines])
+    rows, s, n = (np.concatenate([getattr(line, name) for line in lines]) for name in ("rows", "s", "n"))
     segments = Segments([len(line.rows) for line in lines])
-    return _Rows(segments, rows, paint.view.columns(n), paint.view.nearest_columns(n))
+    return _Rows(segments, rows, s, n, paint.view.columns(n), paint.view.nearest_columns(n))
 
 
-def _borders(
-    each: _Rows, lines: Sequence[LaneLine], paint: PaintProfile, edges: EdgeMap
-) -> list[LaneEvidence]:
-    cells = edges.cells(paint.view.s[each.rows], np.concatenate([line.n for line in lines]))
-    painted = each.lines.count(paint.feature(each.rows, each.centre) > PAINTED) / each.lines.lengths
-    border = each.lines.sum(edges.feature[cells]) / each.lines.lengths
-    steps = {name: _median_of_known(getattr(edges, name)[cells], each.lines).tolist() for name in STEPS}
-    return [
-        LaneEvidence(
-            length=line.length,
-            start=float(line.s[0]),
-            slope=_steepest(line),
-            painted=float(painted[i]),
-            border=float(border[i]),
-            **{name: values[i] for name, values in steps.items()},
-        )
-        for i, line in enumerate(lines)
-    ]
+def _as_evidence(columns: Columns) -> list[LaneEvidence]:
+    values = np.stack(list(columns.values()), axis=1).tolist()
+    return [LaneEvidence(**dict(zip(columns, each, strict=True))) for each in values]
 
 
-def _steepest(line: LaneLine) -> float:
-    """Return the slope, lateral over forward, that a tenth of the line exceeds."""
-    steps = np.diff(line.n) / np.diff(line.s)
-    slopes = np.abs(np.concatenate([steps[:1], (steps[:-1] + steps[1:]) / 2, steps[-1:]]))
-    slopes.sort()
-    at = STEEPEST * (len(slopes) - 1)
-    # As np.gradient and np.percentile have it, in a fraction of their time.
-    return float(np.interp(at, np.arange(len(slopes)), slopes))
+def _of_borders(each: _Rows, source: EvidenceSource) -> Columns:
+    """Return the measurements that both borders and paint have."""
+    lines, edges = each.lines, source.edges
+    cells = edges.cells(each.s, each.n)
+    steps = lines.median_of_known(np.stack([getattr(edges, name)[cells] for name in STEPS]))
+    first, last = lines.ends
+    return {
+        "length": each.s[last] - each.s[first],
+        "start": each.s[first],
+        "slope": _steepest(each),
+        "painted": lines.count(source.paint.feature(each.rows, each.centre) > PAINTED) / lines.lengths,
+        "border": lines.sum(edges.feature[cells]) / lines.lengths,
+        **dict(zip(STEPS, steps, strict=True)),
+    }
 
 
-def _median_of_known(values: Floats, each: Segments) -> Floats:
-    """Return the median of each line's values that are known, NaN where fewer than half are."""
-    known = np.isfinite(values)
-    if known.all():
-        return each.median(values)
-    enough = each.count(known) * 2 > each.lengths
-    kept = known | ~enough[each.index]
-    return np.where(enough, each.of_kept(kept).median(np.nan_to_num(values[kept])), np.nan)
+def _steepest(each: _Rows) -> Floats:
+    """Return the slope of each line, lateral over forward, that a tenth of it exceeds."""
+    return each.lines.quantile(np.abs(each.lines.slopes(each.s, each.n)), STEEPEST)
 
 
 def _with_height(evidence: LaneEvidence, line: LaneLine, heights: LineHeights) -> LaneEvidence:
@@ -150,39 +167,24 @@ def _with_height(evidence: LaneEvidence, line: LaneLine, heights: LineHeights) -
     return replace(evidence, height=heights.line - ground, kerb_step=abs(away - heights.line))
 
 
-def _with_paint(
-    measured: Sequence[LaneEvidence], each: _Rows, lines: Sequence[LaneLine], paint: PaintProfile
-) -> list[LaneEvidence]:
-    """Return the evidence with all of it that speaks for paint, but for the heights."""
+def _of_paint(each: _Rows, paint: PaintProfile) -> Columns:
+    """Return all the measurements of paint by itself, but for the heights."""
     view = paint.view
     feature = paint.feature(each.rows, each.centre)
-    certain = feature > PAINTED
-    off_paint = _off_paint_fraction(each, paint)
-    texture = _texture(each, paint)
-    at = _painted(feature, certain, each.lines)
-    painted = _Rows(each.lines.of_kept(at), each.rows[at], each.column[at], each.centre[at])
+    painted = each.kept(_painted(feature, feature > PAINTED, each.lines))
     sections = cross_sections(view, painted.rows, painted.column)
     means = BandMeans(sections)
-    width = band_widths(sections, painted.lines, view.resolution[0])
-    ratio = wide_band_ratios(means, painted.lines)
     contrast, saturation = contrasts(sections, means.paint, painted.lines)
-    brightness = _brightness(means.paint, painted, view)
-    wander = _wander(each, paint)
-    return [
-        replace(
-            measured[i],
-            score=line.score,
-            paint_width=width[i],
-            wide_band_ratio=float(ratio[i]),
-            off_paint_fraction=float(off_paint[i]),
-            texture=float(texture[i]),
-            contrast=float(contrast[i]),
-            saturation_contrast=float(saturation[i]),
-            wander=wander[i],
-            brightness=float(brightness[i]),
-        )
-        for i, line in enumerate(lines)
-    ]
+    return {
+        "paint_width": np.array(band_widths(sections, painted.lines, view.resolution[0])),
+        "wide_band_ratio": wide_band_ratios(means, painted.lines),
+        "off_paint_fraction": _off_paint_fraction(each, paint),
+        "texture": _texture(each, paint),
+        "contrast": contrast,
+        "saturation_contrast": saturation,
+        "wander": _wander(each, paint),
+        "brightness": _brightness(means.paint, painted, view),
+    }
 
 
 def _painted(feature: Floats, certain: NDArray[np.bool_], lines: Segments) -> NDArray[np.bool_]:
@@ -194,47 +196,31 @@ def _painted(feature: Floats, certain: NDArray[np.bool_], lines: Segments) -> ND
     return painted
 
 
-def _wander(each: _Rows, paint: PaintProfile) -> list[float]:
+def _wander(each: _Rows, paint: PaintProfile) -> Floats:
     """Return how far aside [m] of each line its paint lies, RMS; NaN where there is too little."""
     view = paint.view
     centre, weight = paint.centres(each.rows, each.column)
     aside = weight * ((centre - view.n[0]) - each.column * view.resolution[1])
-    window = np.ones(max(1, round(SMOOTHED / view.resolution[0])))
-    found = []
-    for i in range(len(each.lines)):
-        part = each.lines.part(i)
-        total = np.convolve(weight[part], window, "same")
-        known = total > len(window) / 2
-        mean = np.convolve(aside[part], window, "same")[known] / total[known]
-        found.append(float(np.sqrt(np.mean(mean**2))) if known.any() else np.nan)
-    return found
+    window = max(1, round(SMOOTHED / view.resolution[0]))
+    total, moment = each.lines.moving_sum(np.stack([weight, aside]), window)
+    known = total > window / 2
+    power = np.where(known, moment / np.where(known, total, 1), 0) ** 2
+    count = each.lines.count(known)
+    return np.where(count > 0, np.sqrt(each.lines.sum(power) / np.maximum(count, 1)), np.nan)
 
 
-def compare_paint(measured: Sequence[LaneEvidence], among: Sequence[LaneEvidence]) -> list[LaneEvidence]:
-    """Return evidence of lines with their contrast over that of the most striking of the long ones `among`.
+def _relative_contrast(columns: Columns, among: Columns) -> Floats:
+    """Return the contrast of lines over that of the most striking of the long ones `among`, at most 1.
 
     Of the two ways to tell contrast the one counts in which a line compares better: paint in the shade is as
     much brighter than its road as that in the sun, in glare it rises as far up to white.
     """
-    longest = max((each.score for each in among), default=0.0)
-    long = [each for each in among if each.score >= LONG * longest]
-    contrast, saturation = (
-        max((getattr(each, name) for each in long), default=0.0)
+    long = among["score"] >= LONG * among["score"].max()
+    shares = [
+        columns[name] / max(float(among[name][long].max()), FAINT)
         for name in ("contrast", "saturation_contrast")
-    )
-    return [
-        replace(
-            each,
-            relative_contrast=min(
-                max(
-                    each.contrast / max(contrast, FAINT),
-                    each.saturation_contrast / max(saturation, FAINT),
-                ),
-                1.0,
-            ),
-        )
-        for each in measured
     ]
+    return np.asarray(np.minimum(np.maximum(*shares), 1.0))
 
 
 def _brightness(paint: Floats, each: _Rows, view: BirdsEyeView) -> Floats:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -13,9 +14,11 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile
 from lane_dp_ros.core.dp.robust_fit import ransac_parabola, tukey_fit
 from lane_dp_ros.core.lanes.candidate import LaneLine, LanePath
+from lane_dp_ros.core.lanes.segments import Segments
 from lane_dp_ros.core.parameter import Parameters, parameter
 
 Floats = NDArray[Any]
+Centres = Callable[[NDArray[np.intp], Floats], tuple[Floats, Floats]]
 
 CUBIC_LENGTH = 16.0  # m; a shorter line is a parabola
 TEN_METRES = 10.0  # the unit of s in the fits, to condition them
@@ -42,10 +45,10 @@ class LaneModelConfig(Parameters):
 
 
 class LineFit(Protocol):
-    """Fits a smooth line to a path."""
+    """Fits smooth lines to paths."""
 
-    def fit(self, path: LanePath, paint: PaintProfile, rng: np.random.Generator) -> LaneLine | None:
-        """Return the line through a path, or None where the model does not fit it well enough."""
+    def fit(self, paths: Sequence[LanePath], paint: PaintProfile, rng: np.random.Generator) -> list[LaneLine]:
+        """Return the lines through paths, in their order, without those that the model does not fit."""
 
 
 class ParabolaFit:
@@ -54,10 +57,12 @@ class ParabolaFit:
     def __init__(self, config: LaneModelConfig) -> None:
         self._config = config
 
-    def fit(self, path: LanePath, paint: PaintProfile, rng: np.random.Generator) -> LaneLine | None:
+    def fit(self, paths: Sequence[LanePath], paint: PaintProfile, rng: np.random.Generator) -> list[LaneLine]:
         """See `LineFit`."""
-        if len(path.rows) < MIN_ROWS:
-            return None
+        lines = (self._line(path, paint, rng) for path in paths if len(path.rows) >= MIN_ROWS)
+        return [line for line in lines if line is not None]
+
+    def _line(self, path: LanePath, paint: PaintProfile, rng: np.random.Generator) -> LaneLine | None:
         config, view = self._config, paint.view
         s = view.s[path.rows]
         n, _ = paint.centres(path.rows, path.columns)
@@ -72,13 +77,9 @@ class ParabolaFit:
 class CubicFit:
     """A cubic, or on short lines a parabola, robustly through the centres of the paint."""
 
-    def fit(self, path: LanePath, paint: PaintProfile, rng: np.random.Generator) -> LaneLine | None:  # noqa: ARG002
+    def fit(self, paths: Sequence[LanePath], paint: PaintProfile, rng: np.random.Generator) -> list[LaneLine]:  # noqa: ARG002
         """See `LineFit`."""
-        if len(path.rows) < MIN_ROWS:
-            return None
-        s = paint.view.s[path.rows]
-        fitted, bend = polynomial_fit(s, *paint.centres(path.rows, path.columns))
-        return LaneLine(path.rows, s, fitted, bend, path.score)
+        return cubic_lines(paths, paint.view.s, paint.centres)
 
 
 def line_fit(config: LaneModelConfig) -> LineFit:
@@ -86,10 +87,43 @@ def line_fit(config: LaneModelConfig) -> LineFit:
     return ParabolaFit(config) if config.model == "parabola" else CubicFit()
 
 
+def cubic_lines(paths: Sequence[LanePath], s_of_rows: Floats, centres: Centres) -> list[LaneLine]:
+    """Return the robust cubics through paths of enough rows, in their order.
+
+    `s_of_rows` (rows,) [m] are those of the grid of the paths; `centres` gives n (N,) [m] of what is near
+    cells (rows (N,), columns (N,)) of it, and its weights (N,).
+    """
+    paths = [path for path in paths if len(path.rows) >= MIN_ROWS]
+    if not paths:
+        return []
+    lines = Segments([len(path.rows) for path in paths])
+    rows, columns = (np.concatenate([getattr(path, name) for path in paths]) for name in ("rows", "columns"))
+    s = s_of_rows[rows]
+    fitted, bends = polynomial_fits(s, *centres(rows, columns), lines)
+    return [
+        LaneLine(path.rows, s[lines.part(i)], fitted[lines.part(i)], float(bends[i]), path.score)
+        for i, path in enumerate(paths)
+    ]
+
+
 def polynomial_fit(s: Floats, n: Floats, weight: Floats) -> tuple[Floats, float]:
-    """Return the robust cubic (a parabola on short lines) at s, and its curvature [1/m] in the middle."""
-    middle = s.mean()
-    degree = 3 if np.ptp(s) > CUBIC_LENGTH else 2
-    A = np.vander((s - middle) / TEN_METRES, degree + 1, increasing=True)
-    b = tukey_fit(A, n, weight, np.diag(RIDGE[: degree + 1]), np.full(ROUNDS, TOLERANCE))
-    return A @ b, 2 * float(b[2]) / TEN_METRES**2
+    """Return the robust cubic of one line, and its bend, see `polynomial_fits`."""
+    fitted, bends = polynomial_fits(s, n, weight, Segments([len(s)]))
+    return fitted, float(bends[0])
+
+
+def polynomial_fits(s: Floats, n: Floats, weight: Floats, lines: Segments) -> tuple[Floats, Floats]:
+    """Return the robust cubics (parabolas on short lines) at s (N,), and how they bend in the middle.
+
+    `s`, `n` [m] and `weight` (N,) are of all lines, one after the other; bends (lines,) are curvatures [1/m].
+    """
+    own = (
+        np.arange(lines.lengths.max()) < lines.lengths[:, None]
+    )  # shorter lines are filled up with no weight
+    t, y, w = np.zeros((3, *own.shape))
+    t[own] = (s - lines.spread(lines.sum(s) / lines.lengths)) / TEN_METRES
+    y[own], w[own] = n, weight
+    A = np.vander(t.ravel(), 4, increasing=True).reshape(*t.shape, 4)
+    A[np.ptp(t, axis=1) * TEN_METRES <= CUBIC_LENGTH, :, 3] = 0
+    b = tukey_fit(A, y, w, np.diag(RIDGE), np.full(ROUNDS, TOLERANCE))
+    return (A @ b[..., None])[own, 0], 2 * b[:, 2] / TEN_METRES**2

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.birdseye.paint_map import PaintMap
 from lane_dp_ros.core.birdseye.paint_profile import paint_gain
-from lane_dp_ros.core.dp.free_end_paths import free_paths, segment_gain
+from lane_dp_ros.core.dp.free_end_paths import FreePaths, free_paths, segment_gain
 from lane_dp_ros.core.dp.shortest_paths import shortest_paths
 from lane_dp_ros.core.lanes.candidate import LanePath
 from lane_dp_ros.core.parameter import Parameters, parameter
 
 Floats = NDArray[np.float32]
+Nodes = NDArray[np.int32]
 
 SEGMENT = 1.0  # m; length of a straight piece of a free path
 CLOSED = -0.3  # gain where an accepted path has been
@@ -189,51 +190,59 @@ class _FreeEndPasses:
         self.found: list[LanePath] = []
 
     def run(self) -> bool:
-        """Search once; return whether anything was found."""
+        """Search once, and close bands around what is found; return whether to search again."""
         gain = segment_gain(self.reward, self.max_slope, self.step, self.segment, self.slope_cost)
         paths = free_paths(gain, self.config.bend_cost)
         score = np.where(self.taken, 0, paths.score)
+        ends = self._clear_of_better_ones(paths, score)
+        for nodes in ends:
+            self._accept(nodes, float(score[nodes[-1, 0], nodes[-1, 1]]))
+        if not ends or len(self.found) == self.config.max_paths:
+            return False
+        self._close(np.concatenate(ends))
+        return True
+
+    def _clear_of_better_ones(self, paths: FreePaths, score: Floats) -> list[Nodes]:
+        """Return the nodes of the paths of high `score`, best first, that keep clear of better ones."""
         highest = score >= cv2.dilate(score, np.ones((3, 5), np.uint8))
         rows, columns = np.nonzero(highest & (score >= self.config.min_score))
         busy = np.zeros_like(self.taken)
-        before = len(self.found)
+        clear: list[Nodes] = []
         for i in np.argsort(-score[rows, columns], kind="stable"):
-            if len(self.found) >= self.config.max_paths:
+            if len(self.found) + len(clear) >= self.config.max_paths:
                 break
             if busy[rows[i], columns[i]]:
                 continue
             nodes = paths.trace(rows[i], columns[i])
+            width = self.config.separation_min
             if busy[nodes[:, 0], nodes[:, 1]].any():  # shares a better path: its rest waits for the next pass
-                self._mark(busy, nodes[:, 0], nodes[:, 1], self.config.suppression)
+                width = self.config.suppression
             else:
-                self._accept(nodes, float(score[rows[i], columns[i]]), busy)
-        return len(self.found) > before
+                clear.append(nodes)
+            busy[self._band(nodes[:, 0], nodes[:, 1], width)] = True
+        return clear
 
-    def _accept(self, nodes: NDArray[Any], score: float, busy: NDArray[np.bool_]) -> None:
-        """Keep the path, close a band around it and let its neighbourhood wait."""
+    def _accept(self, nodes: Nodes, score: float) -> None:
+        rows, columns = self._cells(nodes)
+        self.found.append(LanePath(self.rows - 1 - rows, columns, score))
+
+    def _close(self, nodes: Nodes) -> None:
+        """Close a narrow band around nodes of accepted paths for the next pass."""
+        rows, columns = self._cells(nodes)
+        self.reward[self._band(rows, np.rint(columns).astype(int), self.config.suppression)] = CLOSED
+        self.taken[self._band(nodes[:, 0], nodes[:, 1], self.config.suppression)] = True
+
+    def _cells(self, nodes: Nodes) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """Return the rows and columns (N step,) of the straight pieces that start in nodes (N, 3)."""
         block, column, slope = nodes.T
         inside = np.arange(self.step)
         rows = (block[:, None] * self.step + inside).ravel()
         shift = (slope - self.max_slope)[:, None] * (inside + 0.5) / self.step
-        columns = np.clip((column[:, None] + shift).ravel(), 0, self.reward.shape[1] - 1)
-        self.found.append(LanePath(self.rows - 1 - rows, columns, score))
-        half = self._cells(self.config.suppression)
-        self.reward[_band(rows, np.rint(columns).astype(int), half, self.reward.shape[1])] = CLOSED
-        self._mark(self.taken, block, column, self.config.suppression)
-        self._mark(busy, block, column, self.config.separation_min)
+        columns = (column[:, None] + shift).ravel()
+        return rows, np.minimum(np.maximum(columns, 0), self.reward.shape[1] - 1)
 
-    def _mark(
-        self, cells: NDArray[np.bool_], rows: NDArray[Any], columns: NDArray[Any], width: float
-    ) -> None:
-        cells[_band(rows, columns, self._cells(width), cells.shape[1])] = True
-
-    def _cells(self, width: float) -> int:
-        return round(width / self.per_column)
-
-
-def _band(
-    rows: NDArray[Any], columns: NDArray[Any], half: int, width: int
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return the index of the cells within `half` columns of cells (rows[i], columns[i])."""
-    near = columns[:, None] + np.arange(-half, half + 1)
-    return rows[:, None], np.clip(near, 0, width - 1)
+    def _band(self, rows: NDArray[Any], columns: NDArray[Any], width: float) -> tuple[Any, Any]:
+        """Return the index of the cells up to `width` [m] aside of cells (rows[i], columns[i])."""
+        half = round(width / self.per_column)
+        near = columns[:, None] + np.arange(-half, half + 1)
+        return rows[:, None], np.minimum(np.maximum(near, 0), self.reward.shape[1] - 1)

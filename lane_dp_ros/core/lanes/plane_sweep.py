@@ -20,22 +20,22 @@ from numpy.typing import NDArray
 from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.lanes.candidate import LaneLine
+from lane_dp_ros.core.lanes.cross_section import row_medians
 from lane_dp_ros.core.lanes.segments import Segments
 from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 
-STEP = 0.02  # m between the planes
+STEP = 0.04  # m between the planes
 PLANES = np.arange(-0.10, 0.22 + STEP / 2, STEP)  # m above the road's surface
 FAR = 18.0  # m; farther, a centimetre is less than 0.15 px of disparity with KITTI's cameras
-ALONG, ACROSS = 0.25, 0.025  # m between the samples
+ALONG, ACROSS = 0.25, 0.05  # m between the samples
 LINE = 0.2  # m to each side of the line: the paint with its borders
 GROUND = (0.3, 1.2)  # m aside; the ground beside it
 ASIDE = np.arange(-GROUND[1], GROUND[1] + ACROSS / 2, ACROSS)
-PARTS = (  # of the samples across: the line, the ground to the left, to the right
-    np.abs(ASIDE) < LINE + ACROSS / 2,
-    -GROUND[0] + ACROSS / 2 > ASIDE,
-    GROUND[0] - ACROSS / 2 < ASIDE,
+PARTS = tuple(  # of the samples across: the line, the ground to the left, to the right
+    slice(*np.searchsorted(ASIDE, (first - ACROSS / 2, last + ACROSS / 2)))
+    for first, last in ((-LINE, LINE), (-GROUND[1], -GROUND[0]), GROUND)
 )
 MIN_ROWS = 10  # of samples across the line; with fewer a height is chance
 GAIN = 0.5, 2.0  # of the left camera over the right one
@@ -71,16 +71,12 @@ def line_heights(lines: Sequence[LaneLine], view: BirdsEyeView, frame: StereoFra
     seen = _seen(u, v, u_right, frame.left.shape)
     left, right = _sampled(frame.left, u[None], v)[0], _sampled(frame.right, u_right, v)
     lines_of_rows = Segments([len(places[i]) for i in swept])
-    heights = [
-        _heights(
-            left[:, part],
-            right[:, :, part],
-            np.asarray(seen[:, part].all(axis=1)),
-            lines_of_rows,
-        )
+    differences = [
+        _differences(left[:, part], right[:, :, part], np.asarray(seen[:, part].all(axis=1)), lines_of_rows)
         for part in PARTS
     ]
-    for i, (of_line, of_left, of_right) in zip(swept, np.transpose(heights).tolist(), strict=True):
+    heights = _best_heights(np.concatenate(differences, axis=1)).reshape(len(PARTS), -1)
+    for i, (of_line, of_left, of_right) in zip(swept, heights.T.tolist(), strict=True):
         found[i] = LineHeights(of_line, of_left, of_right)
     return found
 
@@ -107,35 +103,37 @@ def _sampled(image: NDArray[np.uint8], u: Floats, v: Floats) -> NDArray[np.float
     return np.stack([cv2.remap(image, plane, v, cv2.INTER_LINEAR) for plane in u]).astype(np.float32)
 
 
-def _heights(left: Floats, right: Floats, seen: NDArray[np.bool_], lines: Segments) -> NDArray[np.float64]:
-    """Return, of each line, the height [m] at which the right image fits the left one best, or NaN.
+def _differences(left: Floats, right: Floats, seen: NDArray[np.bool_], lines: Segments) -> Floats:
+    """Return the mean difference [grey levels] of the images, (planes, lines), NaN where too little is seen.
 
     `left` (rows, columns) and `right` (planes, rows, columns) hold the rows of all `lines`; rows count that
     are `seen` (rows,) from end to end.
     """
     counts = lines.count(seen)
     if counts.max() < MIN_ROWS:
-        return np.full(len(lines), np.nan)
+        return np.full((len(PLANES), len(lines)), np.nan)
     weight = seen.astype(np.float32)[:, None]
     scale = np.float32(1 / left.shape[1])
     left = (left - left.sum(axis=1, keepdims=True) * scale) * weight
     right = (right - right.sum(axis=2, keepdims=True) * scale) * weight
     power = lines.sum(np.einsum("prc,prc->pr", right, right))
     gain = lines.sum(np.einsum("prc,rc->pr", right, left)) / np.maximum(power, 1.0)
-    right *= lines.spread(np.clip(gain, *GAIN).astype(np.float32))[:, :, None]
+    gain = np.minimum(np.maximum(gain, GAIN[0]), GAIN[1])
+    right *= lines.spread(gain.astype(np.float32))[:, :, None]
     right -= left
     np.minimum(np.abs(right, out=right), np.float32(OUTLIER), out=right)
     difference = lines.sum(right.sum(axis=2)) / np.maximum(counts * left.shape[1], 1)
-    heights = _best_heights(difference)
-    heights[counts < MIN_ROWS] = np.nan
-    return heights
+    return np.where(counts < MIN_ROWS, np.nan, difference)
 
 
 def _best_heights(difference: Floats) -> NDArray[np.float64]:
-    """Return, of each line, the height [m] where difference (planes, lines) is least, NaN unless distinct."""
+    """Return, of each line, the height [m] where `difference` (planes, lines) is least.
+
+    NaN unless it is distinct, and where the difference is NaN.
+    """
     best = difference.argmin(axis=0)
     line = np.arange(len(best))
-    least, median = difference[best, line], np.median(difference, axis=0)
+    least, median = difference[best, line], row_medians(difference.T)
     inside = np.clip(best, 1, len(PLANES) - 2)
     before, middle, after = (difference[inside + k, line] for k in (-1, 0, 1))
     curved = np.where(inside == best, np.maximum(before - 2 * middle + after, 1e-9), 1.0)

@@ -18,7 +18,7 @@ Floats = NDArray[Any]
 HEADING_STEP = np.deg2rad(0.5)
 CURVATURE_STEP = 0.002  # 1/m
 HEADING_SIGMA, CURVATURE_SIGMA = 0.2, 0.04  # rad, 1/m; a broad prior: roads mostly go straight ahead
-PEAKS = 12  # of the vote, to be judged
+PEAKS = 12  # of the vote, to be judged; then the neighbours of the best
 PEAK_SHARE = 0.25  # of the highest vote; lower ones are no peaks
 AGREEMENT = np.deg2rad(4.0)  # edges within this of the axis count as lines along it
 OFFSET_BIN, OFFSET_MAX = 0.10, 9.0  # m; histogram of the lateral offsets of those lines
@@ -42,8 +42,7 @@ def arc_of_edges(edges: EdgePixels, heading_max: float, curvature_max: float) ->
     headings, curvatures = vote.peaks()
     if not len(headings):
         return RoadAxis()
-    best = int(vote.sharpness(headings, curvatures).argmax())
-    return RoadAxis(float(headings[best]), float(curvatures[best]))
+    return vote.sharpest(*_neighbours(vote.sharpest(headings, curvatures)))
 
 
 class _Vote:
@@ -58,21 +57,20 @@ class _Vote:
         self.headings = _grid(heading_max, HEADING_STEP)
 
     def peaks(self) -> tuple[Floats, Floats]:
-        """Return headings and curvatures (N,) of the highest local maxima of the smoothed vote.
-
-        Each with its neighbours half a cell of the smoothing around it.
-        """
+        """Return headings and curvatures (N,) of the highest local maxima of the smoothed vote."""
         smooth = np.asarray(cv2.GaussianBlur(self._accumulate(), (0, 0), sigmaX=2.0, sigmaY=1.0))
         votes = smooth * self._prior(self.headings[None], self.curvatures[:, None])
         highest = (votes >= cv2.dilate(votes, np.ones((5, 9), np.uint8))) & (votes > PEAK_SHARE * votes.max())
         rows, columns = np.nonzero(highest)
         order = np.argsort(-votes[rows, columns])[:PEAKS]
-        dk, dt = (step.ravel() for step in np.mgrid[-1:2, -1:2])
-        headings = self.headings[columns[order], None] + dt * HEADING_STEP
-        curvatures = self.curvatures[rows[order], None] + dk * CURVATURE_STEP
-        return headings.ravel(), curvatures.ravel()
+        return self.headings[columns[order]], self.curvatures[rows[order]]
 
-    def sharpness(self, headings: Floats, curvatures: Floats) -> Floats:
+    def sharpest(self, headings: Floats, curvatures: Floats) -> RoadAxis:
+        """Return the sharpest of axes (N,)."""
+        best = int(self._sharpness(headings, curvatures).argmax())
+        return RoadAxis(float(headings[best]), float(curvatures[best]))
+
+    def _sharpness(self, headings: Floats, curvatures: Floats) -> Floats:
         """Return, of each axis (N,), sum h^3 over the lateral offsets of the edges that run along it."""
         theta, k = (np.asarray(a, np.float32)[:, None] for a in (headings, curvatures))
         cos, sin = np.cos(theta), np.sin(theta)
@@ -110,6 +108,12 @@ class _Vote:
     ) -> Floats:
         distance = (heading / HEADING_SIGMA) ** 2 + (curvature / CURVATURE_SIGMA) ** 2
         return np.asarray(np.exp(-0.5 * distance), dtype=np.float32)
+
+
+def _neighbours(axis: RoadAxis) -> tuple[Floats, Floats]:
+    """Return headings and curvatures (9,) of an axis and those half a cell of the smoothing around it."""
+    dk, dt = (step.ravel() for step in np.mgrid[-1:2, -1:2])
+    return axis.heading + dt * HEADING_STEP, axis.curvature + dk * CURVATURE_STEP
 
 
 def _grid(limit: float, step: float) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
-from lane_dp_ros.core.road.road_bands import FARTHEST, HALF_WIDTH, RoadBand, grey_tolerance
+from lane_dp_ros.core.road.road_bands import FARTHEST, HALF_WIDTH, BandPixels, RoadBand, grey_tolerance
 
 Floats = NDArray[Any]
 
@@ -31,7 +31,7 @@ def search_crest(surface: VerticalCurve, far: RoadBand, disparity: DisparityMap)
     high. (Registration goes one pixel far, and over the crest the disparity changes by more in a row.)
     """
     pixels = far.strong_pixels(_corridor(surface, far, disparity), MAX_PIXELS)
-    if len(pixels) < MIN_PIXELS:
+    if len(pixels.u) < MIN_PIXELS:
         return surface
     known = _differences(surface, far, pixels)
     if np.isnan(known).all():
@@ -59,10 +59,10 @@ def _corridor(surface: VerticalCurve, far: RoadBand, disparity: DisparityMap) ->
     return np.asarray((near < nearest) & ~hidden)
 
 
-def _differences(surface: VerticalCurve, far: RoadBand, pixels: NDArray[np.intp]) -> Floats:
+def _differences(surface: VerticalCurve, far: RoadBand, pixels: BandPixels) -> Floats:
     """Return how much pixels (N,) differ between left and right [grey levels], NaN where there is no road."""
-    right = cv2.remap(far.right, *far.right_place(pixels, surface), cv2.INTER_LINEAR)[0]
-    row, column = np.divmod(pixels, far.left.shape[1])
-    d = surface.disparity(far.u[column], far.v[row])
+    d = surface.disparity(pixels.u, pixels.v)
+    columns = far.right_columns(pixels, d, surface.camera)
+    right = cv2.remap(far.right, columns, pixels.row, cv2.INTER_LINEAR).ravel()
     seen = d > surface.camera.fx * surface.camera.baseline / FARTHEST
-    return np.where(seen, np.abs(far.left.ravel()[pixels] - right), np.nan)
+    return np.where(seen, np.abs(pixels.grey - right), np.nan)

@@ -20,6 +20,7 @@ from lane_dp_ros.core.road.road_bands import (
     HALF_WIDTH,
     MAD_TO_SIGMA,
     TUKEY,
+    BandPixels,
     RoadBand,
     grey_tolerance,
     road_bands,
@@ -97,7 +98,7 @@ def _registered(
     surface: VerticalCurve, bands: tuple[RoadBand, RoadBand], disparity: DisparityMap
 ) -> Alignment:
     """Return the surface nearby on which the bands agree best."""
-    chosen: list[NDArray[np.intp]] = []
+    chosen: list[BandPixels] = []
     last: tuple[_Linearised, _Fit] | None = None
     for i in range(ROUNDS):
         if i < CHOOSING_ROUNDS:
@@ -120,7 +121,7 @@ def _registered(
 
 
 def _linearised(
-    surface: VerticalCurve, bands: tuple[RoadBand, RoadBand], chosen: list[NDArray[np.intp]]
+    surface: VerticalCurve, bands: tuple[RoadBand, RoadBand], chosen: list[BandPixels]
 ) -> _Linearised:
     """Return how the chosen pixels of each band differ, and how that changes with the surface."""
     parts = [_of_band(surface, band, pixels) for band, pixels in zip(bands, chosen, strict=True)]
@@ -131,7 +132,7 @@ def _on_road(surface: VerticalCurve, disparity: DisparityMap) -> NDArray[np.bool
     """Return the cells of the disparity that lie on the surface, in the lane and beside it."""
     camera, (u, v) = surface.camera, disparity.centres
     d = surface.disparity(u[None], v[:, None])
-    within = np.float32(CELLS * disparity.cell_size[0]) + np.float32(SHARE) * d
+    within = np.float32(CELLS * disparity.cell) + np.float32(SHARE) * d
     aside = np.abs(u - camera.cx) * np.float32(camera.baseline / HALF_WIDTH)
     with np.errstate(invalid="ignore"):
         on = np.abs(disparity.matched - d) < within
@@ -139,25 +140,24 @@ def _on_road(surface: VerticalCurve, disparity: DisparityMap) -> NDArray[np.bool
 
 
 def _of_band(
-    surface: VerticalCurve, band: RoadBand, pixels: NDArray[np.intp]
+    surface: VerticalCurve, band: RoadBand, pixels: BandPixels
 ) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
     """Return the fields of `_Linearised` for pixels of one band."""
-    camera, columns = surface.camera, band.left.shape[1]
-    if not len(pixels):
-        return np.zeros((4, 0), np.float32), np.zeros(0, np.float32), np.zeros(0, np.float32), pixels
-    at = band.right_place(pixels, surface)
+    if not len(pixels.u):
+        return np.zeros((4, 0), np.float32), pixels.u, pixels.u, np.zeros(0, np.intp)
+    camera = surface.camera
+    d, J = surface.linearised(pixels.u, pixels.v)
+    columns = band.right_columns(pixels, d, camera)
     right, right_gradient = (
-        cv2.remap(x, *at, cv2.INTER_LINEAR).reshape(-1) for x in (band.right, band.right_gradient)
+        cv2.remap(x, columns, pixels.row, cv2.INTER_LINEAR).reshape(-1)
+        for x in (band.right, band.right_gradient)
     )
-    gradient = (band.left_gradient.ravel()[pixels] + right_gradient) * np.float32(0.5 / band.step)
-    error = band.left.ravel()[pixels] - right
-    row, column = np.divmod(pixels, columns)
-    u, v = band.u[column], band.v[row]
-    d = surface.disparity(u, v)
-    usable = (at[0][0] > 1) & (at[0][0] < columns - 2) & (np.abs(error) < MAX_ERROR) & (d > 0)
+    J *= (pixels.gradient + right_gradient) * np.float32(0.5 / band.step)
+    error = pixels.grey - right
+    inside = (columns > 1) & (columns < len(band.u) - 2)
+    usable = inside & (np.abs(error) < MAX_ERROR) & (d > 0)
     pieces = camera.fx * camera.baseline / (BLOCK_LENGTH * np.maximum(d, 1))
-    block = 2 * np.minimum(pieces, BLOCKS - 1).astype(np.intp) + (u > camera.cx)
-    J = (surface.jacobian(u, v) * gradient).astype(np.float32)
+    block = 2 * np.minimum(pieces, BLOCKS - 1).astype(np.intp) + (pixels.u > camera.cx)
     return J, error, usable.astype(np.float32), block
 
 

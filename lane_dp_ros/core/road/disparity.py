@@ -67,7 +67,8 @@ def dense_disparity(
     matched = _match(frame.left[first:], right, downscale, config)
     if matched is None:
         return DisparityMap.unknown(shape)
-    found = DisparityMap(shape, first, matched - np.float32(camera.disparity_offset - offset))
+    matched -= np.float32(camera.disparity_offset - offset)
+    found = DisparityMap(shape, first, matched, downscale)
     u_right = found.centres[0] - np.float32(camera.disparity_offset) - found.matched
     with np.errstate(invalid="ignore"):
         found.matched[(u_right < 0) | (u_right > shape[1] - 1)] = np.nan  # matched with a border repeated
@@ -86,22 +87,25 @@ def _moved(image: Image, columns: int) -> Image:
 
 def _match(left: Image, right: Image, downscale: int, config: DisparityConfig) -> NDArray[np.float32] | None:
     """Match at the reduced resolution; None where the images are too small."""
-    rows, columns = left.shape
-    size = columns // downscale, rows // downscale
+    size = left.shape[1] // downscale, left.shape[0] // downscale
     if min(size) < config.correlation_window_size + 2:
         return None
-    # To the left of the image there is room for all that is searched: the matcher leaves no strip blind.
-    small = [
-        cv2.copyMakeBorder(
-            cv2.resize(image, size, interpolation=cv2.INTER_AREA), 0, 0, SEARCHED, 0, cv2.BORDER_REPLICATE
-        )
-        for image in (left, right)
-    ]
+    small = [_reduced(image, size, downscale) for image in (left, right)]
     fixed = stereo_matcher(config, SEARCHED).compute(*small)[:, SEARCHED:]
     matched = fixed.astype(np.float32)
-    matched *= np.float32(columns / size[0] / SUBPIXEL)
+    matched *= np.float32(downscale / SUBPIXEL)
     matched[fixed < 0] = np.nan
     return matched
+
+
+def _reduced(image: Image, size: tuple[int, int], downscale: int) -> Image:
+    """Return the mean of cells of whole pixels, `size` of them across and along.
+
+    To the left of the image there is room for all that is searched: the matcher leaves no strip blind.
+    """
+    whole = image[: size[1] * downscale, : size[0] * downscale]
+    small = cv2.resize(whole, size, interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.copyMakeBorder(small, 0, 0, SEARCHED, 0, cv2.BORDER_REPLICATE))
 
 
 def stereo_matcher(config: DisparityConfig, disparities: int) -> cv2.StereoSGBM:

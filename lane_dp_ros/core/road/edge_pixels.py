@@ -18,8 +18,7 @@ Floats = NDArray[Any]
 
 CANNY_LOW, CANNY_HIGH = 60, 120  # grey levels of a 3x3 Sobel after blurring
 BLUR_SIGMA = 1.0  # px
-MAX_EDGES = 8000  # more are thinned out evenly; the vote does not get better
-BELOW_HORIZON = 0.02  # of fy
+MAX_EDGES = 4000  # more are thinned out evenly; the vote does not get better
 DEPTH_MIN, DEPTH_MAX = 3.0, 35.0  # m
 HALF_WIDTH = 10.0  # m
 ON_SURFACE_PX, ON_SURFACE_SHARE = 1.2, 0.08  # disparity farther than px + share * d from the road's: no road
@@ -50,21 +49,20 @@ def edge_pixels(image: NDArray[np.uint8], disparity: DisparityMap, surface: Road
     The tangent (-g_v, g_u) of an edge goes to the ground through the derivative of the surface's disparity:
     dd = d_v g_u - d_u g_v per pixel, dz = -z dd / d, dx = -g_v z / fx + x dz / z, heading = atan2(dx, dz).
     """
-    camera = surface.camera
-    first = int(np.clip(camera.cy + BELOW_HORIZON * camera.fy, 0, image.shape[0] - 1))
+    _, farthest = surface.ground_to_pixel(np.array([-HALF_WIDTH, HALF_WIDTH]), np.full(2, DEPTH_MAX))
+    first = int(np.clip(farthest.min(), 0, image.shape[0] - 1))
     blurred = cv2.GaussianBlur(image[first:], (5, 5), BLUR_SIGMA)
     sobel_u = cv2.Sobel(blurred, cv2.CV_16S, 1, 0)
     sobel_v = cv2.Sobel(blurred, cv2.CV_16S, 0, 1)
     edges = np.flatnonzero(cv2.Canny(sobel_u, sobel_v, CANNY_LOW, CANNY_HIGH, L2gradient=True) > 0)
     thinning = max(1, -(-len(edges) // MAX_EDGES))
     rows, columns = np.divmod(edges[thinning // 2 :: thinning], image.shape[1])  # 8 times faster than nonzero
-    u, v = columns.astype(np.float64), rows + float(first)
+    u, v = columns.astype(np.float32), (rows + first).astype(np.float32)
     x, z = surface.pixel_to_ground(u, v)
-    road = surface.disparity(u, v)
+    road = surface.camera.fx * surface.camera.baseline / z
     off = np.abs(disparity.at(rows + first, columns) - road) > ON_SURFACE_PX + ON_SURFACE_SHARE * road
     on = np.flatnonzero(~off & (z > DEPTH_MIN) & (z < DEPTH_MAX) & (np.abs(x) < HALF_WIDTH))
-    g_u = sobel_u[rows[on], columns[on]].astype(np.float64)
-    g_v = sobel_v[rows[on], columns[on]].astype(np.float64)
+    g_u, g_v = (sobel[rows[on], columns[on]].astype(np.float32) for sobel in (sobel_u, sobel_v))
     heading, length = _on_ground(surface, g_u, g_v, u[on], v[on], z[on])
     return EdgePixels(u[on], v[on], g_u, g_v, x[on], z[on], heading, thinning * length)
 

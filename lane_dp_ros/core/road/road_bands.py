@@ -11,13 +11,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
 from lane_dp_ros.core.types import StereoFrame
 
 Floats = NDArray[Any]
 Image = NDArray[np.uint8]
-Pixels = NDArray[np.intp]
 
 NEAR_SCALE, FAR_SCALE = 2, 4  # times the resolution of the disparity: far road is small, near road is large
 FARTHEST = 45.0  # m
@@ -39,6 +39,21 @@ def grey_tolerance(errors: Floats) -> float:
 
 
 @dataclass(frozen=True, eq=False)
+class BandPixels:
+    """N pixels of a band, float32, at its `row` and `column`.
+
+    `u`, `v` [px] are where they lie in the whole image, `grey` and `gradient` what the left band shows there.
+    """
+
+    row: Floats
+    column: Floats
+    u: Floats
+    v: Floats
+    grey: Floats
+    gradient: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class RoadBand:
     """Some rows of both images (h, w), high-passed, and their gradients across [grey levels / px].
 
@@ -56,23 +71,26 @@ class RoadBand:
     rows: slice
     strong: NDArray[np.bool_]
 
-    def strong_pixels(self, cells: NDArray[np.bool_], most: int) -> Pixels:
-        """Return the flat indices of pixels with gradient in cells (rows, columns) that are chosen.
-
-        Thinned out evenly to `most`.
-        """
+    def strong_pixels(self, cells: NDArray[np.bool_], most: int) -> BandPixels:
+        """Return the pixels with gradient in cells (rows, columns) that are chosen, thinned out to `most`."""
         height, width = self.left.shape
         mask = cv2.resize(cells.view(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
         chosen = np.flatnonzero(self.strong & mask.view(np.bool_))
-        return chosen[:: max(1, -(-len(chosen) // most))]
+        pixels = chosen[:: max(1, -(-len(chosen) // most))]
+        row, column = np.divmod(pixels, width)
+        return BandPixels(
+            row.astype(np.float32),
+            column.astype(np.float32),
+            self.u[column],
+            self.v[row],
+            self.left.ravel()[pixels],
+            self.left_gradient.ravel()[pixels],
+        )
 
-    def right_place(self, pixels: Pixels, surface: RoadSurface) -> tuple[Floats, Floats]:
-        """Return column and row (1, N), of the right band, in which its camera sees pixels of a surface."""
-        row, column = np.divmod(pixels, self.left.shape[1])
-        u, offset = self.u[column], np.float32(surface.camera.disparity_offset)
-        u_right = u - surface.disparity(u, self.v[row]) - offset
-        at = (u_right + np.float32(0.5)) / np.float32(self.step) - np.float32(0.5)
-        return at.astype(np.float32)[None], row.astype(np.float32)[None]
+    def right_columns(self, pixels: BandPixels, disparity: Floats, camera: StereoCamera) -> Floats:
+        """Return the columns (N,) of the right band in which its camera sees pixels of that `disparity`."""
+        shift = disparity + np.float32(camera.disparity_offset)
+        return np.asarray(pixels.column - shift * np.float32(1 / self.step), np.float32)
 
 
 def road_bands(
@@ -80,12 +98,13 @@ def road_bands(
 ) -> tuple[RoadBand, RoadBand]:
     """Return far and near road of a grey pair, as a camera of the surface's height sees it on a plane."""
     camera, rows = surface.camera, disparity.matched.shape[0]
-    resolution, row_step = disparity.cell_size
     split = camera.cy + camera.fy * surface.camera_height / SPLIT_DEPTH
     horizon = camera.cy + BELOW_HORIZON * camera.fy
-    first, middle = (int(np.clip((v - disparity.first) / row_step, 0, rows - 1)) for v in (horizon, split))
+    first, middle = (
+        int(np.clip((v - disparity.first) / disparity.cell, 0, rows - 1)) for v in (horizon, split)
+    )
     middle = max(first, middle)  # a camera near to the ground sees no far road
-    far, near = (max(1, min(round(resolution), scale)) for scale in (FAR_SCALE, NEAR_SCALE))
+    far, near = (min(disparity.cell, scale) for scale in (FAR_SCALE, NEAR_SCALE))
     return (
         _band(frame, disparity, slice(first, min(middle + 3, rows)), far),
         _band(frame, disparity, slice(middle, rows), near),
@@ -95,14 +114,14 @@ def road_bands(
 def _band(frame: StereoFrame, disparity: DisparityMap, rows: slice, scale: int) -> RoadBand:
     """Return the rows of cells at `scale` times their resolution."""
     assert frame.right is not None
-    _, row_step = disparity.cell_size
-    top, bottom = (disparity.first + round(row * row_step) for row in (rows.start, rows.stop))
-    size = disparity.matched.shape[1] * scale, (rows.stop - rows.start) * scale
-    grey = [_resized(image[top:bottom], size) for image in (frame.left, frame.right)]
+    count, cell = disparity.matched.shape[1], disparity.cell
+    top, bottom = (disparity.first + row * cell for row in (rows.start, rows.stop))
+    size = count * scale, (rows.stop - rows.start) * scale
+    grey = [_resized(image[top:bottom, : count * cell], size) for image in (frame.left, frame.right)]
     passed = [cv2.subtract(x, cv2.blur(x, (HIGH_PASS, HIGH_PASS)), dtype=cv2.CV_32F) for x in grey]
     gradients = [cv2.Sobel(x, cv2.CV_32F, 1, 0, ksize=1, scale=0.5) for x in passed]
-    steps = frame.left.shape[1] / size[0], (bottom - top) / size[1]
-    u, v = ((np.arange(n) + 0.5) * step - 0.5 for n, step in zip(size, steps, strict=True))
+    step = cell / scale
+    u, v = ((np.arange(n) + 0.5) * step - 0.5 for n in size)
     return RoadBand(
         left=passed[0],
         right=passed[1],
@@ -110,7 +129,7 @@ def _band(frame: StereoFrame, disparity: DisparityMap, rows: slice, scale: int) 
         right_gradient=gradients[1],
         u=u.astype(np.float32),
         v=(v + top).astype(np.float32),
-        step=steps[0],
+        step=step,
         rows=rows,
         strong=cv2.inRange(gradients[0], -MIN_GRADIENT, MIN_GRADIENT) == 0,
     )

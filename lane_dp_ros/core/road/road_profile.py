@@ -125,8 +125,8 @@ class VerticalCurveProfile:
         for i in range(ROUNDS):
             if not surface.is_below_camera:
                 return None
-            residuals = samples.d - surface.disparity(samples.u, samples.v)
-            J = surface.jacobian(samples.u, samples.v)
+            d, J = surface.linearised(samples.u, samples.v)
+            residuals = samples.d - d
             weighted = J * tukey_weights(residuals, (3 if i == 0 else 2) * samples.tolerance)
             b = np.array(surface.coefficients)
             normal = (weighted @ J.T).astype(np.float64) + ridge

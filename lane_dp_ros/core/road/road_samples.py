@@ -68,7 +68,6 @@ def road_samples(disparity: DisparityMap, camera: StereoCamera, camera_height: f
     first = int(np.searchsorted(v, camera.cy + BELOW_HORIZON * camera.fy))
     thinning = max(1, round(len(u) / COLUMNS))
     u, v, d = u[thinning // 2 :: thinning], v[first:], disparity.matched[first:, thinning // 2 :: thinning]
-    resolution, row_step = disparity.cell_size
     with np.errstate(invalid="ignore"):
         matched = (d > camera.fx * camera.baseline / FARTHEST) & (d < disparity.shape[1])
         near = matched & (np.abs(u - camera.cx) * np.float32(camera.baseline) < np.float32(HALF_WIDTH) * d)
@@ -77,8 +76,8 @@ def road_samples(disparity: DisparityMap, camera: StereoCamera, camera_height: f
     u_right = u - np.float32(camera.disparity_offset)  # of what is far away
     shown = (u_right >= 0) & (u_right <= disparity.shape[1] - 1)
     rows_per_px = camera_height * camera.fy / (camera.baseline * camera.fx)
-    bin_size = STANDING_BIN * resolution
-    stands = _stands(np.where(near, d, 0) / bin_size, rows_per_px * bin_size / row_step)
+    bin_size = STANDING_BIN * disparity.cell
+    stands = _stands(np.where(near, d, 0) / bin_size, rows_per_px * bin_size / disparity.cell)
     row, column = np.nonzero(near)
     return RoadSamples(
         camera,
@@ -88,8 +87,8 @@ def road_samples(disparity: DisparityMap, camera: StereoCamera, camera_height: f
         row=row,
         row_v=v,
         lies=~stands[near],
-        resolution=resolution,
-        tolerance=TOLERANCE * resolution,
+        resolution=disparity.cell,
+        tolerance=TOLERANCE * disparity.cell,
         matched=float(np.mean(matched[:, shown])) if shown.any() else 0.0,
     )
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lane_dp_ros.core.config import PRESETS
 from lane_dp_ros.messages.errors import CommandError
@@ -15,6 +15,11 @@ from lane_dp_ros.tools.evaluation.thresholds import THRESHOLDS, missed_threshold
 
 if TYPE_CHECKING:
     from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice, Evaluation
+
+NOT_COMPARED = (  # what judges anew, and so has no effect on a comparison
+    "--truth", "--unpainted", "--surface", "--json", "--preset", "--config",
+    *(threshold.option for threshold in THRESHOLDS),
+)  # fmt: skip
 
 
 def add_command(commands: argparse._SubParsersAction) -> None:
@@ -28,6 +33,8 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     )
     command = commands.add_parser("evaluate", help=text, description=text, epilog=epilog)
     add_arguments(command)
+    files = "what got better and worse between two files of --json; --report takes images from BAG_OR_DIR"
+    command.add_argument("--compare", type=Path, nargs=2, metavar=("A.json", "B.json"), help=files)
     command.add_argument("--preset", choices=PRESETS, help="to detect with, default: default")
     command.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file to detect with")
     add_jobs(command)
@@ -67,9 +74,47 @@ def run(arguments: argparse.Namespace) -> None:
     """Judge what is recorded, or what the detector finds with the parameters that are asked for."""
     from lane_dp_ros.tools.evaluation.evaluate import DetectorChoice
 
+    if arguments.compare is not None:
+        _compare(arguments)
+        return
     topics = topic_choice(arguments)
-    choice = DetectorChoice(arguments.preset, arguments.config, arguments.jobs, topics)
-    evaluate(arguments, choice)
+    evaluate(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs, topics))
+
+
+def _compare(arguments: argparse.Namespace) -> None:
+    """Print what changed between two evaluations, and write the page about it."""
+    from lane_dp_ros.tools.evaluation.changes import compare
+    from lane_dp_ros.tools.evaluation.changes_text import comparison_text
+    from lane_dp_ros.tools.evaluation.json_file import read_json
+
+    _check_compared(arguments)
+    _check_outputs(arguments)
+    before, after = map(read_json, arguments.compare)
+    comparison = compare(before, after)
+    print(f"A: {before.path}, B: {after.path}\n\n{comparison_text(comparison)}")
+    for note in comparison.notes:
+        print(f"note: {note}")
+    if arguments.report is not None:
+        from lane_dp_ros.tools.report import write_changes_report
+
+        source = arguments.input or after.source
+        names, topics = (before.path, after.path), topic_choice(arguments)
+        page = write_changes_report(comparison, names, source, arguments.report, topics)
+        print(f"report: {page}")
+
+
+def _check_compared(arguments: argparse.Namespace) -> None:
+    """End with wrong usage, or raise CommandError, for arguments that a comparison has no use for."""
+    if spare := [option for option in NOT_COMPARED if _value(arguments, option) not in (None, False)]:
+        arguments.usage_error(f"--compare takes BAG_OR_DIR and --report alone, not {', '.join(spare)}")
+    if arguments.input is not None and arguments.report is None:
+        arguments.usage_error("--compare takes BAG_OR_DIR for the images of --report alone")
+    if arguments.input is not None and not arguments.input.exists():
+        raise CommandError(f"{arguments.input}: no such bag or folder, expected the one with the images")
+
+
+def _value(arguments: argparse.Namespace, option: str) -> Any:
+    return getattr(arguments, option.lstrip("-").replace("-", "_"))
 
 
 def evaluate(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
@@ -88,7 +133,7 @@ def evaluate(arguments: argparse.Namespace, choice: DetectorChoice) -> None:
     else:
         evaluation = evaluate_path(arguments.input, arguments.truth, choice)
     _write(arguments, evaluation, choice)
-    limits = {t.option: getattr(arguments, t.option.lstrip("-").replace("-", "_")) for t in THRESHOLDS}
+    limits = {t.option: _value(arguments, t.option) for t in THRESHOLDS}
     if missed := missed_thresholds(summarise(evaluation.results), limits):
         raise CommandError(missed)
 
@@ -112,7 +157,7 @@ def _write(arguments: argparse.Namespace, evaluation: Evaluation, choice: Detect
     for note in evaluation.notes:
         print(f"note: {note}")
     if arguments.json is not None:
-        write_json(evaluation.results, evaluation.notes, arguments.json)
+        write_json(evaluation.results, evaluation.notes, arguments.json, arguments.input or arguments.surface)
     if arguments.report is not None:
         print(f"report: {_write_report(arguments, evaluation, choice)}")
 
@@ -123,6 +168,4 @@ def _write_report(arguments: argparse.Namespace, evaluation: Evaluation, choice:
     if arguments.surface is not None:
         return write_surface_report(evaluation.results, arguments.surface, arguments.report)
     config = choice.configs[1] if choice.given else None
-    return write_report(
-        evaluation.results, evaluation.frames, arguments.input, arguments.report, config, choice.topics
-    )
+    return write_report(evaluation.results, arguments.input, arguments.report, config, choice.topics)

@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> None:
     from lane_dp_ros.review.review import Review
     from lane_dp_ros.review.review_file import ReviewFile, locked
     from lane_dp_ros.review.server import ReviewServer
-    from lane_dp_ros.tools.offline import load_config
+    from lane_dp_ros.tools.detection_config import load_config
 
     node, detector = load_config(arguments.preset, arguments.config)
     bag, topics = arguments.bag, topic_choice(arguments)

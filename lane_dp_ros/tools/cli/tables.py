@@ -10,7 +10,6 @@ from pathlib import Path
 from lane_dp_ros.core.config import PRESETS
 from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, topic_choice
 
-BASELINE = Path(__file__).parents[3] / "benchmarks" / "global_vanishing_point.py"  # in the source tree only
 EXPLANATION = """\
 The truth of a drive or bag NAME is NAME.truth.json beside it, as lane_dp review exports it, that of a folder
 truth.json or labels/lanes.json in it. A folder that holds the paper's drives stands for all of them. What the
@@ -23,9 +22,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     command = commands.add_parser("tables", help=text, description=text, epilog=EXPLANATION)
     kinds = "KITTI raw drive or a folder of them, bag, folder of lane_dp scenes or of labelled images"
     command.add_argument("data", type=Path, nargs="+", metavar="DATA", help=kinds)
-    detector = (
-        "Python file of the baseline, with lanes(left, right, camera); default: that of the source tree"
-    )
+    detector = "Python file with lanes(left, right, camera), in place of the baseline"
     command.add_argument("--detector", type=Path, metavar="FILE", help=detector)
     add_jobs(command)
     add_topics(command)
@@ -35,13 +32,8 @@ def add_command(commands: argparse._SubParsersAction) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Judge and print."""
     from lane_dp_ros.tools.evaluation.comparison import comparison
-    from lane_dp_ros.tools.evaluation.detectors import file_detector, preset_detector
+    from lane_dp_ros.tools.evaluation.detectors import baseline_detector, file_detector, preset_detector
 
-    detectors = [preset_detector(name) for name in PRESETS]
-    if arguments.detector or BASELINE.is_file():
-        detectors.append(file_detector(arguments.detector or BASELINE))
+    other = file_detector(arguments.detector) if arguments.detector else baseline_detector()
+    detectors = [*map(preset_detector, PRESETS), other]
     print(comparison(arguments.data, detectors, arguments.jobs, topic_choice(arguments)))
-    if len(detectors) == len(PRESETS):
-        print(
-            f"no baseline: {BASELINE.name} is not installed, name it in the source tree with --detector FILE"
-        )

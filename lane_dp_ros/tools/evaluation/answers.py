@@ -25,7 +25,7 @@ from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.tools.evaluation.image_arrivals import image_arrivals
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
-from lane_dp_ros.tools.offline import answered
+from lane_dp_ros.tools.offline.answered import answered
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.progress import progress
 

@@ -101,6 +101,11 @@ def distance(label: Label, line: ProjectedLine) -> float:
     return float(np.mean(errors)) if len(errors) else np.inf
 
 
+def coverage(label: Label, line: ProjectedLine) -> float:
+    """Return the share of a label's samples that a line covers."""
+    return len(_errors(label, line)[1]) / len(label.samples)
+
+
 def _fits(label: Label, errors: Floats) -> bool:
     """Whether a line with these lateral errors [m] at the samples that it covers matches a label."""
     return (

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Detectors to compare: ours with a preset, and any that a Python file brings along."""
+"""Detectors to compare: ours with a preset, the baseline, and any that a Python file brings along."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.tools.evaluation import global_vanishing_point
 
 Image8 = NDArray[np.uint8]
 Detect = Callable[[Image8, Image8, StereoCamera], tuple[Lane, ...]]
@@ -42,6 +43,11 @@ def preset_detector(name: str) -> Detector:
     )
 
 
+def baseline_detector() -> Detector:
+    """Return our reading of the detector that the paper compares itself with."""
+    return Detector(global_vanishing_point.NAME, _detect_baseline)
+
+
 def file_detector(path: Path) -> Detector:
     """Return the detector of a Python file: its function lanes(left, right, camera), its NAME if it has one.
 
@@ -56,6 +62,10 @@ def _detect_with(
     config: DetectorConfig, left: Image8, right: Image8, camera: StereoCamera
 ) -> tuple[Lane, ...]:
     return LaneDetector(camera, config).detect(StereoFrame(left, right)).lanes
+
+
+def _detect_baseline(left: Image8, right: Image8, camera: StereoCamera) -> tuple[Lane, ...]:
+    return tuple(map(_lane, global_vanishing_point.lanes(left, right, camera)))
 
 
 def _detect_by(path: Path, left: Image8, right: Image8, camera: StereoCamera) -> tuple[Lane, ...]:

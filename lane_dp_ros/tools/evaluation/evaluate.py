@@ -16,6 +16,7 @@ from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics
 from lane_dp_ros.messages.topic_choice import TopicChoice
+from lane_dp_ros.tools.detection_config import load_config
 from lane_dp_ros.tools.evaluation.answers import (
     BagAnswers,
     FrameAnswer,
@@ -28,17 +29,15 @@ from lane_dp_ros.tools.evaluation.matching import judge, judge_unpainted
 from lane_dp_ros.tools.evaluation.recorded_lanes import lanes_topic, recorded_answers
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame, load_truth
-from lane_dp_ros.tools.offline import load_config
 
 SCENES_BAG, SCENES_TRUTH = "scenes.mcap", "truth.json"  # what `lane_dp scenes` writes into its folder
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The judged frames, the truth that they were judged by (empty: known to have no paint), and remarks."""
+    """The judged frames, and remarks."""
 
     results: tuple[FrameScore, ...]
-    frames: tuple[LabelledFrame, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -86,7 +85,7 @@ def evaluate_path(path: Path, truth: Path | None, choice: DetectorChoice) -> Eva
         raise CommandError(f"{truth} has no frames, expected at least one")
     if path.is_dir() and not looks_like_bag(path):
         found = choice.answer_files(path, frames)
-        return Evaluation(tuple(_judged(frame, answer) for frame, answer in found), frames)
+        return Evaluation(tuple(_judged(frame, answer) for frame, answer in found))
     return _judged_bag(path, truth, frames, read_answers(path, choice))
 
 
@@ -94,7 +93,11 @@ def evaluate_unpainted(path: Path, choice: DetectorChoice) -> Evaluation:
     """Judge a bag none of whose frames has any paint: every detection is false."""
     bag = read_answers(path, choice)
     results = tuple(
-        judge_unpainted(f"{path.stem}/{stamp_ns}", answer.lanes, path.stem, stamp_ns, answer.latency)
+        replace(
+            judge_unpainted(f"{path.stem}/{stamp_ns}", answer.lanes, path.stem, stamp_ns),
+            latency=answer.latency,
+            camera=answer.camera,
+        )
         for stamp_ns in sorted(bag.stamps)
         for answer in [bag.at(stamp_ns)]
     )
@@ -145,7 +148,7 @@ def _judged_bag(path: Path, truth: Path, frames: Sequence[LabelledFrame], bag: B
         - len(judged),
         f"{unanswered} frames without an answer, judged as nothing found": unanswered,
     }
-    return Evaluation(results, judged, (*bag.notes, *(note for note, count in notes.items() if count)))
+    return Evaluation(results, (*bag.notes, *(note for note, count in notes.items() if count)))
 
 
 def _judged(frame: LabelledFrame, answer: FrameAnswer) -> FrameScore:

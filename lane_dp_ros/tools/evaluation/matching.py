@@ -56,16 +56,16 @@ def judge(
         unpainted=not any(label.painted for label in frame.labels),
         road_edges=None if road_edges is None else _judge_edges(frame, road_edges, camera),
         latency=latency,
+        truth=frame,
+        camera=camera,
         **_tusimple_culane(frame, [line for line in lines if _is_asked(frame, line)]),
     )
 
 
-def judge_unpainted(
-    name: str, lanes: Iterable[Lane], sequence: str, stamp_ns: int, latency: float | None = None
-) -> FrameScore:
+def judge_unpainted(name: str, lanes: Iterable[Lane], sequence: str, stamp_ns: int) -> FrameScore:
     """Return the result of a frame that is known to have no paint: every detection is false."""
     detections = tuple(JudgedLine(lane, "false") for lane in lanes)
-    return FrameScore(name, sequence, "", stamp_ns, detections, latency=latency, unpainted=True)
+    return FrameScore(name, sequence, "", stamp_ns, detections, unpainted=True)
 
 
 def _judge_edges(frame: LabelledFrame, road_edges: Iterable[Lane], camera: StereoCamera) -> RoadEdgeScore:

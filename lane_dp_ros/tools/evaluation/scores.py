@@ -10,7 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import Lane
+from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.depth import DepthErrors
 from lane_dp_ros.tools.evaluation.lateral import NOT_COMPARED, LateralErrors
 from lane_dp_ros.tools.evaluation.paint_kinds import PaintComparison
@@ -143,7 +145,9 @@ class FrameScore(LineScores):
     `incorrect` and `missed` were not. `matches` are all, also those of labels that need not be found.
     `unpainted`: there is no painted label. `road_edges` is None where the detector tells of none.
     `latency` [s] is None where it is not known; `tusimple` and `culane` are None for a frame without truth;
-    `depth` is None where it is not known what surface was measured, or what the true one is.
+    `depth` is None where it is not known what surface was measured, or what the true one is. `truth` are the
+    labels, None for a frame that was judged without any; `camera` projects the detections into the left
+    image, None where it is not known.
     """
 
     name: str
@@ -162,6 +166,8 @@ class FrameScore(LineScores):
     tusimple: TuSimple | None = None
     culane: CULane | None = None
     depth: DepthErrors | None = None
+    truth: LabelledFrame | None = None
+    camera: StereoCamera | None = None
 
     @property
     def false_lanes_strict(self) -> int:

@@ -93,7 +93,7 @@ def _last_lines(results: Sequence[FrameScore], total: Summary) -> list[str]:
 def table(title: str, summaries: Mapping[str, Summary], columns: Sequence[Column] = COLUMNS) -> str:
     """Return a table, a summary to a line; "-" stands where there was nothing to count."""
     rows = [[name, *(cell(summary, column) for column in columns)] for name, summary in summaries.items()]
-    return _laid_out(title, columns, rows)
+    return laid_out(title, columns, rows)
 
 
 def compared_in_space(total: Summary) -> bool:
@@ -110,14 +110,14 @@ def surface_tables(results: Sequence[FrameScore]) -> str:
 def value_table(summaries: Mapping[str, Summary], columns: Sequence[ValueColumn]) -> str:
     """Return a table of the numbers of some columns by sequence, a summary to a line."""
     rows = [[name, *value_cells(summary, columns)] for name, summary in summaries.items()]
-    return _laid_out("sequence", columns, rows)
+    return laid_out("sequence", columns, rows)
 
 
 def paint_table(title: str, confusion: Confusion) -> str:
     """Return how often each kind or colour was told of the found lines of each, and the share right."""
     heads, rows = confusion_rows(confusion)
     columns = [Column("" if i else "told as", head, "") for i, head in enumerate(heads)]
-    return _laid_out(title, columns, [[name, *cells] for name, cells in rows.items()])
+    return laid_out(title, columns, [[name, *cells] for name, cells in rows.items()])
 
 
 def without_paint(total: Summary) -> str:
@@ -128,9 +128,10 @@ def without_paint(total: Summary) -> str:
     )
 
 
-def _laid_out(
+def laid_out(
     title: str, columns: Sequence[Column] | Sequence[ValueColumn], rows: Sequence[Sequence[str]]
 ) -> str:
+    """Return rows below the two lines of their heads, in columns."""
     heads = [["", *(c.top for c in columns)], [title, *(c.bottom for c in columns)]]
     widths = [max(map(len, cells)) for cells in zip(*heads, *rows, strict=True)]
     lines = [[cells[0].ljust(widths[0]), *map(str.rjust, cells[1:], widths[1:])] for cells in [*heads, *rows]]

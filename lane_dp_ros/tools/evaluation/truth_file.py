@@ -49,7 +49,7 @@ def load_truth(path: Path) -> tuple[LabelledFrame, ...]:
     if not isinstance(frames, dict):
         raise ValueError(f"{path} holds a {type(frames).__name__}, expected an object of labelled frames")
     try:
-        return tuple(_frame(name, fields) for name, fields in frames.items())
+        return tuple(frame_from_json(name, fields) for name, fields in frames.items())
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
@@ -69,6 +69,13 @@ def save_truth(frames: Iterable[LabelledFrame], path: Path) -> None:
 
 
 def _frame_text(frame: LabelledFrame) -> str:
+    fields = frame_to_json(frame)
+    lanes = ",\n  ".join(map(json.dumps, fields.pop("lanes")))
+    return f'{json.dumps(frame.name)}: {json.dumps(fields)[:-1]}, "lanes": [\n  {lanes}]}}'
+
+
+def frame_to_json(frame: LabelledFrame) -> dict[str, Any]:
+    """Return the object that the truth holds under the frame's name: `frame_from_json` reads it."""
     camera = frame.camera
     stamp = {} if frame.stamp_ns is None else {"stamp_ns": int(frame.stamp_ns)}
     fields = {
@@ -84,11 +91,10 @@ def _frame_text(frame: LabelledFrame) -> str:
     if frame.profile is not None:
         digits = zip((METRE_DIGITS, PIXEL_DIGITS), frame.profile.T, strict=True)
         fields["profile"] = np.column_stack([np.round(each, n) for n, each in digits]).tolist()
-    lanes = ",\n  ".join(_lane_text(label) for label in frame.labels)
-    return f'{json.dumps(frame.name)}: {json.dumps(fields)[:-1]}, "lanes": [\n  {lanes}]}}'
+    return {**fields, "lanes": [_label_to_json(label) for label in frame.labels]}
 
 
-def _lane_text(label: Label) -> str:
+def _label_to_json(label: Label) -> dict[str, Any]:
     points = {
         "uv": np.round(label.uv, PIXEL_DIGITS).tolist(),
         "xz": np.round(label.xz, METRE_DIGITS).tolist(),
@@ -102,7 +108,7 @@ def _lane_text(label: Label) -> str:
         said["width"] = round(float(label.width), METRE_DIGITS)
     if label.double is not None:
         said["double"] = bool(label.double)
-    return json.dumps({"id": label.id, "kind": label.kind, "sure": bool(label.sure), **said, **points})
+    return {"id": label.id, "kind": label.kind, "sure": bool(label.sure), **said, **points}
 
 
 def _without_repeats(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -115,14 +121,14 @@ def _without_repeats(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
     return fields
 
 
-def _frame(name: str, fields: Any) -> LabelledFrame:
+def frame_from_json(name: str, fields: Any) -> LabelledFrame:
     """Return the frame of a JSON object. Raises ValueError naming the frame and what is wrong in it."""
     try:
         frame = LabelledFrame(
             name=name,
             camera=_camera(fields),
             size=(_whole(fields, "width", LARGEST_SIZE), _whole(fields, "height", LARGEST_SIZE)),
-            ground=_numbers(fields["ground"], (4,), "ground"),
+            ground=finite_array(fields["ground"], (4,), "ground"),
             labels=tuple(map(_label, fields["lanes"])),
             stamp_ns=None if fields.get("stamp_ns") is None else _whole(fields, "stamp_ns", LARGEST_STAMP),
             profile=_profile(fields),
@@ -167,10 +173,10 @@ def _label(fields: dict[str, Any]) -> Label:
     where = f"line {quoted(identity)}"
     if kind not in KINDS:
         raise ValueError(f"{where} is of kind {quoted(kind)}, expected one of {', '.join(KINDS)}")
-    uv, xz = (_numbers(fields[key], (-1, 2), f"{where}: {key}") for key in ("uv", "xz"))
+    uv, xz = (finite_array(fields[key], (-1, 2), f"{where}: {key}") for key in ("uv", "xz"))
     if len(xz) < 2:
         raise ValueError(f"{where}: xz has {len(xz)} points, expected at least 2")
-    xyz = None if fields.get("xyz") is None else _numbers(fields["xyz"], (-1, 3), f"{where}: xyz")
+    xyz = None if fields.get("xyz") is None else finite_array(fields["xyz"], (-1, 3), f"{where}: xyz")
     if xyz is not None and len(xyz) < 2:
         raise ValueError(f"{where}: xyz has {len(xyz)} points, expected at least 2")
     exact = None if xyz is None else by_depth(xyz)
@@ -198,13 +204,17 @@ def _profile(fields: dict[str, Any]) -> Floats | None:
     """Return the exact rows (N, 2) of the road straight ahead, None for a file that does not know them."""
     if fields.get("profile") is None:
         return None
-    profile = _numbers(fields["profile"], (-1, 2), "profile")
+    profile = finite_array(fields["profile"], (-1, 2), "profile")
     if len(profile) < 2 or profile[0, 0] < NEAREST or not np.all(np.diff(profile[:, 0]) > 0):
         raise ValueError("profile is no list of at least 2 points [z, v] with rising z >= 0.1")
     return profile
 
 
-def _numbers(values: Any, shape: tuple[int, ...], what: str) -> Floats:
+def finite_array(values: Any, shape: tuple[int, ...], what: str) -> Floats:
+    """Return numbers from JSON as an array of a shape, one of (4,), (-1, 2) and (-1, 3).
+
+    Raises ValueError that begins with `what` for anything else, and for what is not finite or far too large.
+    """
     try:
         given = np.array(values, dtype=np.float64)
         if given.ndim != len(shape) or given.shape[-1] != shape[-1]:

@@ -5,19 +5,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Mapping
 from html import escape
 
-import numpy as np
-
-from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.causes import Cause
+from lane_dp_ros.tools.evaluation.failures import Kind, failures, is_papers
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine
-from lane_dp_ros.tools.report.failures import Kind, failures, is_papers
 from lane_dp_ros.tools.report.frame_images import FrameImages
 from lane_dp_ros.tools.report.pictures import LANE_STATES, judged_with, label_state, pictures
-
-ALONG = 0.35  # m; a path that is no farther from a label on average runs along it
 
 BADGES: dict[Kind, str] = {
     "missed": "missed",
@@ -28,14 +24,17 @@ BADGES: dict[Kind, str] = {
 }
 
 
-def card(place: int, result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:
-    """Return the card of a frame as HTML; `place` is its number among the worst."""
+def card(place: int, result: FrameScore, images: FrameImages, causes: Mapping[str, Cause]) -> str:
+    """Return the card of a frame as HTML.
+
+    `place` is its number among the worst; `causes` say why labels were lost, by their ids.
+    """
     note = f'<p class="note">{escape(images.note)}</p>' if images.note else ""
     return (
         f'<article class="frame" id="frame-{place}"><header><h3>{place}. {escape(result.name)}</h3>'
         f"{_badges(result)}</header>{note}"
-        f'<div class="pictures">{pictures(result, frame, images)}'
-        f'<div class="words">{_labels(result, frame, images.detection)}{_lanes(result)}{_road_edges(result)}'
+        f'<div class="pictures">{pictures(result, images)}'
+        f'<div class="words">{_labels(result, causes)}{_lanes(result)}{_road_edges(result)}'
         "</div></div></article>"
     )
 
@@ -51,14 +50,15 @@ def _badges(result: FrameScore) -> str:
     return (badges or '<span class="badge right">no failure</span>') + category
 
 
-def _labels(result: FrameScore, frame: LabelledFrame | None, detection: LaneDetection | None) -> str:
+def _labels(result: FrameScore, causes: Mapping[str, Cause]) -> str:
+    frame = result.truth
     if frame is None:
         return _list("Labels", "<li>none: this road is known to have no paint</li>")
-    rows = "".join(_label(label, result, frame, detection) for label in frame.labels)
+    rows = "".join(_label(label, result, frame, causes) for label in frame.labels)
     return _list("Labels", rows)
 
 
-def _label(label: Label, result: FrameScore, frame: LabelledFrame, detection: LaneDetection | None) -> str:
+def _label(label: Label, result: FrameScore, frame: LabelledFrame, causes: Mapping[str, Cause]) -> str:
     side = {frame.ego_left: ", ego left", frame.ego_right: ", ego right"}.get(label.id, "")
     state = label_state(label, result)
     sure = "" if label.sure else ", not sure"
@@ -70,7 +70,7 @@ def _label(label: Label, result: FrameScore, frame: LabelledFrame, detection: La
         "not-judged": "need not be found",
     }[state]
     if state in ("missed", "incorrect", "not-found"):
-        words += _reason(label.id, result) + (_path_beside(label, frame, detection) if label.painted else "")
+        words += _reason(label.id, result) + (f"; {causes[label.id].words}" if label.id in causes else "")
     what = f"{label.kind}{side}{sure}: {words}"
     return f'<li class="{state}"><b>{escape(label.id)}</b> {escape(what)}</li>'
 
@@ -86,37 +86,6 @@ def _error(label: Label, result: FrameScore) -> str:
 def _reason(what: str | int, result: FrameScore) -> str:
     reason = next((failure.reason for failure in failures(result) if failure.what == what), "")
     return f" ({reason})" if is_papers(reason) else ""
-
-
-def _path_beside(label: Label, frame: LabelledFrame, detection: LaneDetection | None) -> str:
-    """Return in words whether the search for paths came along a label: who lost it, search or selection."""
-    if detection is None or detection.birds_eye is None or not label.takes_part:
-        return ""
-    distances = [
-        d for path in _path_places(detection) if (d := _distance(label, frame.on_ground(path))) is not None
-    ]
-    if distances and min(distances) <= ALONG:
-        return "; a path ran along it, but was not accepted as this line"
-    return "; no path ran along it"
-
-
-def _path_places(detection: LaneDetection) -> Iterable[np.ndarray]:
-    """Yield each path in pixels (N, 2) of the left image."""
-    view = detection.birds_eye
-    assert view is not None
-    for path in detection.paths:
-        n = view.n[0] + path.columns * view.resolution[1]
-        yield view.to_pixels(view.s[path.rows], n)
-
-
-def _distance(label: Label, line: np.ndarray) -> float | None:
-    """Return the mean lateral distance [m] of a line (x, z) (N, 2) from a label, None where it ends short."""
-    line = line[np.argsort(line[:, 1])]
-    x, z = label.samples.T
-    covered = (z >= line[0, 1]) & (z <= line[-1, 1]) if len(line) else np.zeros(len(z), bool)
-    if np.mean(covered) < 0.5:
-        return None
-    return float(np.mean(np.abs(np.interp(z[covered], line[:, 1], line[:, 0]) - x[covered])))
 
 
 def _lanes(result: FrameScore) -> str:

@@ -16,7 +16,7 @@ from lane_dp_ros.core.detector import LaneDetection
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.lanes.candidate import LanePath
 from lane_dp_ros.messages.image import Image8
-from lane_dp_ros.tools.evaluation.annotations import Label, LabelledFrame
+from lane_dp_ros.tools.evaluation.annotations import Label
 from lane_dp_ros.tools.evaluation.scores import FrameScore, JudgedLine, LineScores
 from lane_dp_ros.tools.report.figure import Line, data_uri, figure
 from lane_dp_ros.tools.report.frame_images import FrameImages
@@ -55,24 +55,24 @@ def judged_with(label: Label, result: FrameScore) -> LineScores:
     return result if label.painted or result.road_edges is None else result.road_edges
 
 
-def pictures(result: FrameScore, frame: LabelledFrame | None, images: FrameImages) -> str:
+def pictures(result: FrameScore, images: FrameImages) -> str:
     """Return the frame's pictures as HTML: the left image, the road from above, the cost with its paths.
 
     Where there is no view from above, labels and lines are drawn without one.
     """
-    camera = images.camera or (frame.camera if frame else None)
+    camera = result.camera or images.camera
     if images.left is None or camera is None:
-        return _plan(result, frame)
-    lines = image_lines(result, frame, camera)
-    left = _left_picture(images.left, lines)
+        return plan(result)
+    lines = image_lines(result, camera)
+    left = left_picture(images.left, lines)
     if images.detection is None or images.detection.birds_eye is None:
-        return left + _plan(result, frame)
+        return left + plan(result)
     return left + "".join(_views_from_above(images.left, images.detection, lines))
 
 
-def image_lines(result: FrameScore, frame: LabelledFrame | None, camera: StereoCamera) -> list[Line]:
+def image_lines(result: FrameScore, camera: StereoCamera) -> list[Line]:
     """Return labels and published lines in pixels of the left image."""
-    labels = frame.labels if frame else ()
+    labels = result.truth.labels if result.truth else ()
     return [
         *(Line(label.uv, f"label {label_state(label, result)}", label.id) for label in labels),
         *(_lane_line(d, style, camera.project(_ahead(d.lane.points))) for style, d in _published(result)),
@@ -87,19 +87,23 @@ def _published(result: FrameScore) -> Iterator[tuple[str, JudgedLine]]:
 
 
 def _lane_line(detection: JudgedLine, style: str, points: Floats) -> Line:
-    return Line(points, f"{style} {LANE_STATES[detection.verdict]}", f"{detection.lane.confidence:.2f}")
+    name = f"{'edge ' if style == 'road-edge' else ''}{detection.lane.confidence:.2f}"
+    return Line(points, f"{style} {LANE_STATES[detection.verdict]}", name)
 
 
 def _ahead(points: Floats) -> Floats:
     return points[points[:, 2] > NEAREST]
 
 
-def _left_picture(left: Image8, lines: Iterable[Line]) -> str:
+def left_picture(
+    left: Image8, lines: Iterable[Line], title: str = "Left image", limit: int = LEFT_BYTES
+) -> str:
+    """Return the left image with lines over it as HTML, the picture in at most `limit` bytes."""
     height, width = left.shape[:2]
     small = min(1.0, LEFT_WIDTH / width)
     size = (max(1, round(width * small)), max(1, round(height * small)))
     picture = np.asarray(cv2.resize(left, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    return figure("left", "Left image", (width, height), data_uri(picture, LEFT_BYTES), lines)
+    return figure("left", title, (width, height), data_uri(picture, limit), lines)
 
 
 def _views_from_above(left: Image8, detection: LaneDetection, lines: Sequence[Line]) -> list[str]:
@@ -158,7 +162,7 @@ def _cost_picture(view: BirdsEyeView, detection: LaneDetection) -> Image8:
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
 
 
-def _plan(result: FrameScore, frame: LabelledFrame | None) -> str:
+def plan(result: FrameScore, title: str = "From above") -> str:
     """Return labels and lines from above, without any image."""
     left, right, near, far = PLAN
 
@@ -168,8 +172,8 @@ def _plan(result: FrameScore, frame: LabelledFrame | None) -> str:
 
     labels = [
         Line(place(label.xz), f"label {label_state(label, result)}", label.id)
-        for label in (frame.labels if frame else ())
+        for label in (result.truth.labels if result.truth else ())
     ]
     lanes = [_lane_line(d, style, place(_ahead(d.lane.points)[:, [0, 2]])) for style, d in _published(result)]
     marks = [(f"{z} m", (far - z) / (far - near)) for z in DISTANCES]
-    return figure("above plan", "From above", (right - left, far - near), "", [*labels, *lanes], marks)
+    return figure("above plan", title, (right - left, far - near), "", [*labels, *lanes], marks)

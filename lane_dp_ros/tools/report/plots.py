@@ -27,16 +27,17 @@ from lane_dp_ros.tools.report.tables import number
 def plots(results: Sequence[FrameScore]) -> str:
     """Return the curves, each with what it says in words; that of the depth where a surface is known."""
     charts = [_threshold_chart(results), _reliability_chart(results), _error_chart(results)]
-    return "".join(_figure(*chart) for chart in charts) + surface_plots(results)
+    return "".join(plot(*chart) for chart in charts) + surface_plots(results)
 
 
 def surface_plots(results: Sequence[FrameScore]) -> str:
     """Return the curve of the depth alone, empty where no frame has a surface."""
     depth = summarise(results).depth
-    return _figure(*_depth_chart(depth)) if depth.rows else ""
+    return plot(*_depth_chart(depth)) if depth.rows else ""
 
 
-def _figure(title: str, svg: str, words: str) -> str:
+def plot(title: str, svg: str, words: str) -> str:
+    """Return a chart as HTML with its title and what it says in `words`, which are HTML."""
     return (
         f'<figure class="plot"><figcaption><h3>{escape(title)}</h3></figcaption>{svg}<p>{words}</p></figure>'
     )
@@ -45,7 +46,7 @@ def _figure(title: str, svg: str, words: str) -> str:
 def _threshold_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     curve = threshold_curve(results)
     title = "Precision and recall over confidence"
-    chart = Chart(title, _share_axis("publish only lines of at least this confidence"), _share_axis("share"))
+    chart = Chart(title, share_axis("publish only lines of at least this confidence"), share_axis("share"))
     chart.line(curve.thresholds, curve.precision, "series one")
     chart.line(curve.thresholds, curve.recall, "series two")
     words = (
@@ -58,7 +59,7 @@ def _threshold_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
 def _reliability_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     bins = reliability(*confidences(results))
     title = "Is the confidence right?"
-    chart = Chart(title, _share_axis("confidence"), _share_axis("share of lines that are right"))
+    chart = Chart(title, share_axis("confidence"), share_axis("share of lines that are right"))
     chart.line((0, 1), (0, 1), "ideal")
     for i in np.flatnonzero(bins.counts):
         chart.whisker(bins.confidence[i], bins.low[i], bins.high[i], "whisker")
@@ -101,7 +102,8 @@ def _error_chart(results: Sequence[FrameScore]) -> tuple[str, str, str]:
     )
 
 
-def _share_axis(text: str) -> Axis:
+def share_axis(text: str) -> Axis:
+    """Return an axis from 0 to 1."""
     return Axis(text, 0, 1, (0, 0.2, 0.4, 0.6, 0.8, 1))
 
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from string import Template
 
 from lane_dp_ros.tools.evaluation.scores import FrameScore
-from lane_dp_ros.tools.report.page import GENERATOR, check_report_output, static_text, write_page
+from lane_dp_ros.tools.report.page_file import check_report_output, write_page
 from lane_dp_ros.tools.report.plots import surface_plots
 from lane_dp_ros.tools.report.tables import depth_table, frames_by_depth_error
 
@@ -22,13 +21,12 @@ def write_surface_report(results: Sequence[FrameScore], source: Path, directory:
     """
     check_report_output(directory)
     missing = sum(result.depth is not None and not result.depth.measured for result in results)
-    page = Template(static_text("surface.html")).substitute(
-        generator=GENERATOR,
+    return write_page(
+        "surface.html",
+        directory,
         title=escape(source.resolve().name),
         about=f"{len(results)} frames, {missing} of them without a surface",
-        css=static_text("report.css"),
         table=depth_table(results),
         plots=surface_plots(results),
         frames=frames_by_depth_error(results),
     )
-    return write_page(page, directory)

@@ -5,9 +5,7 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
-from html import escape
 
 from lane_dp_ros.tools.evaluation.depth import DEPTHS
 from lane_dp_ros.tools.evaluation.paint_kinds import PaintSummary, confusion_rows, is_told
@@ -21,7 +19,7 @@ from lane_dp_ros.tools.evaluation.value_columns import (
     ValueColumn,
     value_cells,
 )
-from lane_dp_ros.tools.report.failures import UNKNOWN, Kind, counts_by_reason
+from lane_dp_ros.tools.report.html_table import html_table
 
 PAPER_COLUMNS = COLUMNS[:4]
 FIRST_ERROR = [column.attribute for column in COLUMNS].index("near_error")
@@ -82,29 +80,31 @@ def tables(results: Sequence[FrameScore]) -> str:
 
 
 def _section(title: str, words: str, table: str) -> str:
-    return f"<section><h3>{title}</h3><p>{words}</p>{table}</section>"
+    """Return a table with its title, or nothing where there is no table."""
+    return f"<section><h3>{title}</h3><p>{words}</p>{table}</section>" if table else ""
 
 
 def _paint(paint: PaintSummary) -> str:
     words = "Of the lines that were found: what is there by row, what was told of it by column."
     confusions = {"kind": paint.kinds, "colour": paint.colours}
     found = [
-        _table(title, *confusion_rows(confusion)) for title, confusion in confusions.items() if confusion
+        html_table(title, *confusion_rows(confusion)) for title, confusion in confusions.items() if confusion
     ]
     return _section("Kind and colour of the paint", words, "".join(found))
 
 
 def _paper_and_today(title: str, summaries: Mapping[str, Summary]) -> str:
     paper, today = (
-        _table(title, [f"{c.top}\n{c.bottom}" for c in columns], {
+        html_table(title, [f"{c.top}\n{c.bottom}" for c in columns], {
             name: [cell(summary, column) for column in columns] for name, summary in summaries.items()
         })
         for columns in (PAPER_COLUMNS, TODAY_COLUMNS)
     )  # fmt: skip
-    return (
-        f'<div class="pair"><section><h3>The paper\'s table, by {title}</h3>{paper}</section>'
-        f"<section><h3>Today's numbers, by {title}</h3>{today}</section></div>"
+    sections = (
+        _section(f"The paper's table, by {title}", "The two lines beside the vehicle alone.", paper),
+        _section(f"Today's numbers, by {title}", "All painted lines.", today),
     )
+    return f'<div class="pair">{"".join(sections)}</div>'
 
 
 def _tusimple_culane(summaries: Mapping[str, Summary]) -> str:
@@ -117,13 +117,12 @@ def _tusimple_culane(summaries: Mapping[str, Summary]) -> str:
         for name, s in summaries.items()
     }  # fmt: skip
     words = "In the image: TuSimple (20 px, 85 %) and CULane (lines 30 px wide, IoU 0.5), as published."
-    table = _table("sequence", heads, rows)
-    return _section("The literature's measures", words, table)
+    return _section("The literature's measures", words, html_table("sequence", heads, rows))
 
 
 def _value_table(summaries: Mapping[str, Summary], columns: Sequence[ValueColumn]) -> str:
     rows = {name: value_cells(summary, columns) for name, summary in summaries.items()}
-    return _table("sequence", [f"{c.top}\n{c.bottom}" for c in columns], rows)
+    return html_table("sequence", [f"{c.top}\n{c.bottom}" for c in columns], rows)
 
 
 def depth_table(results: Sequence[FrameScore]) -> str:
@@ -140,45 +139,9 @@ def frames_by_depth_error(results: Sequence[FrameScore]) -> str:
         name: ["-" if math.isnan(error) else f"{100 * error:+.2f}" for error in errors[name]]
         for name in sorted(errors, key=lambda name: (-largest[name], name))
     }
-    return _table("frame", [f"depth %\n{z:g} m" for z in DEPTHS], rows)
+    return html_table("frame", [f"depth %\n{z:g} m" for z in DEPTHS], rows)
 
 
 def number(value: float) -> str:
     """Return a number of the tables; "-" where it is nan."""
     return "-" if math.isnan(value) else f"{value:.3f}"
-
-
-def _table(title: str, heads: Sequence[str], rows: Mapping[str, Sequence[str]]) -> str:
-    """Return a table; a row named "total" stands out."""
-    head = "".join(f'<th scope="col">{_broken(each.strip())}</th>' for each in (title, *heads))
-    body = "".join(
-        f'<tr{" class=total" if name == "total" else ""}><th scope="row">{_broken(name)}</th>'
-        + "".join(f"<td>{value}</td>" for value in values) + "</tr>"
-        for name, values in rows.items()
-    )  # fmt: skip
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f'<div class="scroll" tabindex="0">{table}</div>'
-
-
-def _broken(text: str) -> str:
-    """Return text for a narrow cell: lines end where it says so, else after / and _ where they must."""
-    return re.sub("([/_])", r"\1<wbr>", escape(text)).replace("\n", "<br>")
-
-
-def reasons(results: Sequence[FrameScore]) -> str:
-    """Return the failures counted by the paper's classes."""
-    counts = counts_by_reason(results)
-    columns: dict[Kind, str] = {
-        "missed": "missed", "incorrect": "incorrect", "not found": "other labels\nnot found",
-        "false": "false\nlanes", "duplicate": "duplicates",
-    }  # fmt: skip
-    rows = {name: [_count(counts[name][kind]) for kind in columns] for name in counts}
-    if not rows:
-        return "<p>None: every line was found, and none that is not there.</p>"
-    table = _table("class", list(columns.values()), rows)
-    unknown = "<p>Where the truth names no category, the class is not known.</p>" if UNKNOWN in rows else ""
-    return f"{table}{unknown}"
-
-
-def _count(count: int) -> str:
-    return str(count) if count else "·"

@@ -267,7 +267,7 @@ def test_a_road_that_climbs_far_above_the_matched_rows_is_looked_at(camera):
     """A few rows at the bottom were matched; above them nothing is known of heights, as without a match."""
     road = QuadraticSurface.plane(camera, HEIGHT, 0.05)
     image = np.random.default_rng(0).integers(0, 256, (300, 640), np.uint8)
-    low = DisparityMap(image.shape, 270, np.full((15, 320), 3.0, np.float32))
+    low = DisparityMap(image.shape, 270, np.full((15, 320), 3.0, np.float32), 2)
     view = birds_eye_view(image, low, road, RoadAxis(), CONFIG)
     above = view.map_v < 269.5
     assert np.count_nonzero(above) > 1000

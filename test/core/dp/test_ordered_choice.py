@@ -133,3 +133,20 @@ def test_one_thing_is_as_probable_as_its_log_odds_say():
     found = marginals(np.array([[[0.0, NEVER]]]), np.zeros((1, 1, 1, CLASSES, CLASSES)))
     assert found.of_things[0, 0].tolist() == pytest.approx([0.5, 0.0])
     assert found.log_total[0] == pytest.approx(np.log(2))
+
+
+def test_however_much_things_are_worth_nothing_overflows():
+    """Ten sure things of 500 each, more than the exponential of a double can be, and a hopeless one."""
+    worth = np.full((11, CLASSES), -900.0)
+    worth[:10, 0] = 500.0
+    found = marginals(worth[None], np.zeros((1, 11, 11, CLASSES, CLASSES)))
+    assert found.log_total[0] == pytest.approx(5000.0)
+    np.testing.assert_allclose(found.of_things[0, :, 0], [1.0] * 10 + [0.0], atol=1e-9)
+    np.testing.assert_allclose(found.of_things[0, :, 1], 0.0, atol=1e-9)
+    assert np.isfinite(found.of_pairs).all()
+
+
+def test_of_nothing_to_choose_from_there_is_one_choice():
+    found = marginals(np.empty((1, 0, CLASSES)), np.empty((1, 0, 0, CLASSES, CLASSES)))
+    assert found.log_total.tolist() == [0.0]
+    assert found.of_things.shape == (1, 0, CLASSES)

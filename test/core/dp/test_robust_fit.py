@@ -126,3 +126,12 @@ def test_a_start_chooses_among_two_lines():
 def test_the_ridge_holds_a_coefficient_small():
     y = LINE @ [2.0, 0.5]
     assert tukey(LINE, y, ridge=np.diag([0.0, 1e6]))[1] == pytest.approx(0, abs=1e-3)
+
+
+def test_each_fit_of_a_stack_is_by_itself():
+    """One stands still at once, one has to get rid of outliers."""
+    y = np.stack([LINE @ [2.0, 0.5], LINE @ [-1.0, 0.2]])
+    y[1, [3, 16]] += [0.4, -0.6]
+    alone = [tukey(LINE, each) for each in y]
+    found = tukey(np.stack([LINE, LINE]), y, np.ones(y.shape), ridge=np.zeros((2, 2)))
+    np.testing.assert_allclose(found, alone, atol=1e-12)

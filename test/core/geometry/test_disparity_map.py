@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 
 NAN = np.nan
-FOUR = DisparityMap(
-    (6, 4), 2, np.array([[10, 20], [30, NAN]], np.float32)
-)  # cells of 2 x 2 px, two rows above
+FOUR = DisparityMap((6, 4), 2, np.array([[10, 20], [30, NAN]], np.float32), 2)  # two rows above
 
 
 def test_every_pixel_has_the_disparity_of_its_cell():
@@ -30,7 +28,6 @@ def test_every_pixel_has_the_disparity_of_its_cell():
 
 def test_cells_have_their_middles_between_pixels():
     """Rows 2 and 3 have theirs at 2.5."""
-    assert FOUR.cell_size == (2, 2)
     u, v = FOUR.centres
     assert u.dtype == v.dtype == np.float32
     assert (u.tolist(), v.tolist()) == ([0.5, 2.5], [2.5, 4.5])
@@ -54,7 +51,7 @@ def test_between_pixels_the_nearest_one_counts():
 
 def test_far_above_the_matched_rows_nothing_is_known():
     """Farther above than there are rows that were matched."""
-    low = DisparityMap((100, 40), 80, np.ones((10, 20), np.float32))
+    low = DisparityMap((100, 40), 80, np.ones((10, 20), np.float32), 2)
     found = low.at(np.array([0, 50, 79, 80, 99]), np.zeros(5, int))
     np.testing.assert_array_equal(found, [NAN, NAN, NAN, 1, 1])
 
@@ -77,18 +74,17 @@ def test_without_a_row_below_the_first_one_nothing_is_known():
     above=st.integers(0, 80),
     downscale=st.integers(1, 4),
 )
-def test_every_cell_covers_a_rectangle_of_its_share(rows, columns, above, downscale):
-    """Pixels come from left to right and from above to below through all cells, each as broad as another."""
+def test_every_cell_covers_a_square(rows, columns, above, downscale):
+    """Those at the right and at the lower border have the rest of the image, too."""
     size = rows * downscale + min(rows, downscale) - 1, columns * downscale + min(columns, downscale) - 1
     cells = np.arange(rows * columns, dtype=np.float32).reshape(rows, columns)
-    disparity = DisparityMap((above + size[0], size[1]), above, cells)
+    disparity = DisparityMap((above + size[0], size[1]), above, cells, downscale)
     full = disparity.full
     assert np.isnan(full[:above]).all()
     row, column = np.divmod(full[above:], columns)
     assert np.ptp(row, axis=1).max() == np.ptp(column, axis=0).max() == 0
     for index, count, pixels in ((row[:, 0], rows, size[0]), (column[0], columns, size[1])):
-        # A pixel lies in the cell that its left or upper border lies in.
-        assert index.tolist() == [i * count // pixels for i in range(pixels)]
+        assert index.tolist() == [min(i // downscale, count - 1) for i in range(pixels)]
     v, u = np.indices(disparity.shape)
     np.testing.assert_array_equal(disparity.at(v, u), full)
     u, v = np.meshgrid(*disparity.centres)

@@ -8,9 +8,10 @@ import pytest
 from lane_dp_ros.core.birdseye.edge_map import edge_map
 from lane_dp_ros.core.lanes.candidate import LanePath
 from lane_dp_ros.core.lanes.edge_lines import EdgeLineSearch
-from lane_dp_ros.core.lanes.evidence import measure_border
+from lane_dp_ros.core.lanes.evidence import EvidenceSource, measure_border
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS
 from lane_dp_ros.core.lanes.path_search import FreeEndSearch, PathSearchConfig
+from lane_dp_ros.core.types import StereoFrame
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -76,7 +77,7 @@ def test_a_border_has_as_many_rows_as_a_fit_needs(painted_road, monkeypatch, row
 
 def test_the_evidence_of_a_border_is_the_step_behind_it(painted_road):
     paint, edges, lines = lines_of(kerb(painted_road().step(3.0, -40), lambda s: 0 * s + 3.0))
-    (found, *_) = measure_border(lines, paint, edges)
+    (found, *_) = measure_border(lines, EvidenceSource(paint, edges, StereoFrame(paint.view.image)))
     assert found.length == lines[0].length
     assert found.start == lines[0].s[0]
     assert found.slope < 0.03
@@ -93,7 +94,7 @@ def test_a_height_that_half_the_line_lacks_is_not_known(painted_road):
     road = kerb(painted_road().step(3.0, -40), lambda s: 0 * s + 3.0)
     road.height[25:] = np.nan
     paint, edges, lines = lines_of(road)
-    (found, *_) = measure_border(lines, paint, edges)
+    (found, *_) = measure_border(lines, EvidenceSource(paint, edges, StereoFrame(paint.view.image)))
     assert lines[0].length > 15
     assert np.isnan([found.rise, found.far_rise, found.ground]).all()
     assert found.grey_step == pytest.approx(-0.4, abs=0.05)

@@ -13,7 +13,7 @@ from lane_dp_ros.core.birdseye.edge_map import edge_map
 from lane_dp_ros.core.lanes import cross_section
 from lane_dp_ros.core.lanes import evidence as lane_evidence
 from lane_dp_ros.core.lanes.candidate import LaneLine
-from lane_dp_ros.core.lanes.evidence import measure_border, measure_paint
+from lane_dp_ros.core.lanes.evidence import EvidenceSource, courses, measure_border, measure_paint
 from lane_dp_ros.core.lanes.plane_sweep import LineHeights
 from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.types import StereoFrame
@@ -132,10 +132,17 @@ def line_along(view, n, slope=0.0, first=0, count=80):
     return LaneLine(rows, s, n + slope * (s - 4), bend=0.0, score=10.0)
 
 
-def measured(lines, paint, needs_height=lambda evidence: np.zeros(len(evidence), bool)):
+def nothing(evidence):
+    return np.zeros(len(evidence), bool)
+
+
+def source_of(paint):
+    return EvidenceSource(paint, edge_map(paint.view, paint.paint_map), StereoFrame(paint.view.image))
+
+
+def measured(lines, paint, needs_height=nothing):
     """Return the evidence for lines on a road of which there is one picture."""
-    edges = edge_map(paint.view, paint.paint_map)
-    return measure_paint(lines, paint, edges, StereoFrame(paint.view.image), needs_height)
+    return measure_paint(lines, source_of(paint), needs_height)
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +177,8 @@ def test_many_lines_at_once_have_the_evidence_that_each_has_by_itself(town, cour
 
 def test_of_no_lines_there_is_no_evidence(town):
     assert measured([], town, lambda evidence: np.ones(len(evidence), bool)) == []
-    assert measure_border([], town, edge_map(town.view, town.paint_map)) == []
+    assert measure_border([], source_of(town)) == []
+    assert courses([], town) == []
 
 
 def test_heights_are_measured_of_the_lines_alone_that_need_them(town, monkeypatch):
@@ -195,14 +203,30 @@ def test_heights_are_measured_of_the_lines_alone_that_need_them(town, monkeypatc
     assert [each.kerb_step for each in found] == pytest.approx([0.0, np.nan, 0.01], nan_ok=True)
 
 
+def test_a_variant_is_compared_to_the_lines_and_no_line_to_a_variant(painted_road):
+    """Paint of 80 levels above the road, and of 20."""
+    paint = painted_road().line(-1.725, brightness=80).line(1.725, brightness=20).bands()
+    bright, faint = (line_along(paint.view, n) for n in (-1.725, 1.725))
+    source = source_of(paint)
+    of_line, of_variant = measure_paint([faint], source, nothing, variants=[bright])
+    assert of_line.relative_contrast == of_variant.relative_contrast == 1.0
+    of_line, of_other = measure_paint([faint, bright], source, nothing)
+    assert of_line.relative_contrast == pytest.approx(0.25, abs=0.02)
+    (among,) = measure_paint([faint], source, nothing, among=[of_other])
+    assert among.relative_contrast == of_line.relative_contrast
+
+
 @settings(deadline=None)
-@given(steps=st.lists(st.floats(-0.2, 0.2), min_size=3, max_size=80))
-def test_the_slope_is_the_ninetieth_percentile_of_the_gradient(steps):
-    n = np.cumsum(steps)
-    s = 5.0 + 0.25 * np.arange(len(n))
-    line = LaneLine(np.arange(len(n))[::-1], s, n, 0.0, 1.0)
-    expected = np.percentile(np.abs(np.gradient(n, s)), 90)
-    assert lane_evidence._steepest(line) == pytest.approx(expected, abs=1e-9)
+@given(
+    courses_given=st.lists(st.lists(st.floats(-0.2, 0.2), min_size=3, max_size=80), min_size=1, max_size=3)
+)
+def test_the_slope_is_the_ninetieth_percentile_of_the_gradient(town, courses_given):
+    lines = [
+        LaneLine(np.arange(len(steps))[::-1], 5.0 + 0.25 * np.arange(len(steps)), np.cumsum(steps), 0.0, 1.0)
+        for steps in courses_given
+    ]
+    expected = [np.percentile(np.abs(np.gradient(line.n, line.s)), 90) for line in lines]
+    assert [slope for slope, _ in courses(lines, town)] == pytest.approx(expected, abs=1e-8)
 
 
 @pytest.mark.parametrize("count", [40, 450])

@@ -32,7 +32,7 @@ def path_along(view, course, aside=0.0, rows=None):
 
 
 def fit(path, paint, config, seed=0):
-    return line_fit(config).fit(path, paint, np.random.default_rng(seed))
+    return next(iter(line_fit(config).fit([path], paint, np.random.default_rng(seed))), None)
 
 
 @MODELS
@@ -109,6 +109,25 @@ def test_the_same_seed_gives_the_same_line(painted_road):
     path.columns[::3] += 20
     lines = [fit(path, paint, PARABOLA, seed=4) for _ in range(2)]
     np.testing.assert_array_equal(lines[0].n, lines[1].n)
+
+
+@MODELS
+def test_lines_fitted_together_are_as_those_fitted_alone(painted_road, config):
+    """One has too few rows, one is short enough for a parabola, and there is paint beside one of them."""
+    road = painted_road().line(straight).line(curved).line(lambda s: straight(s) + 0.45, first=18)
+    paint = road.bands()
+    paths = [
+        path_along(paint.view, straight),
+        path_along(paint.view, curved, rows=np.arange(79, 76, -1)),
+        path_along(paint.view, curved, aside=0.05, rows=np.arange(79, 36, -1)),
+        path_along(paint.view, curved, rows=np.arange(70, 5, -1)),
+    ]
+    together = line_fit(config).fit(paths, paint, np.random.default_rng(0))
+    alone = [line for path in paths if (line := fit(path, paint, config)) is not None]
+    assert [len(line.rows) for line in together] == [80, 43, 65]
+    for one, other in zip(together, alone, strict=True):
+        np.testing.assert_allclose(one.n, other.n, atol=0.005 if config is PARABOLA else 1e-12)
+        assert one.bend == pytest.approx(other.bend, abs=1e-3 if config is PARABOLA else 1e-12)
 
 
 def test_the_configuration_names_the_fit():

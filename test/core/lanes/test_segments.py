@@ -38,6 +38,39 @@ def test_the_median_of_an_even_number_is_in_the_middle_of_two():
     assert THREE.median(VALUES) == pytest.approx([2.0, 7.0, 5.0])
 
 
+def test_a_quantile_lies_straight_between_two_values():
+    assert THREE.quantile(VALUES, 0.75) == pytest.approx([2.5, 7.0, 7.0])
+    assert THREE.quantile(np.stack([VALUES, -VALUES]), 0.0) == pytest.approx(
+        np.array([[1, 7, 4], [-3, -7, -9]])
+    )
+    lowest = THREE.quantile(VALUES, 1.0, np.array([1, 1, 2]))
+    assert lowest == pytest.approx([1.0, 7.0, 5.0])
+
+
+def test_the_median_of_what_is_known():
+    """Of the first line half the values are unknown, of the third a third."""
+    values = np.array([np.nan, 3.0, 7.0, 5.0, np.nan, -9.0])
+    np.testing.assert_allclose(THREE.median_of_known(values), [np.nan, 7.0, -2.0])
+    both = THREE.median_of_known(np.stack([values, VALUES]))
+    np.testing.assert_allclose(both, [[np.nan, 7.0, -2.0], [2.0, 7.0, 5.0]])
+
+
+def test_a_moving_sum_ends_with_its_line():
+    assert THREE.moving_sum(VALUES, 1).tolist() == VALUES.tolist()
+    assert THREE.moving_sum(VALUES, 2).tolist() == [1, 4, 7, 5, 9, 13]
+    assert THREE.moving_sum(np.stack([VALUES, -VALUES]), 3).tolist() == [
+        [4, 4, 7, 9, 18, 13],
+        [-4, -4, -7, -9, -18, -13],
+    ]
+    values = np.arange(20.0) ** 2
+    assert Segments([20]).moving_sum(values, 8).tolist() == np.convolve(values, np.ones(8), "same").tolist()
+
+
+def test_slopes_are_central_within_a_line_and_one_sided_at_its_ends():
+    lines, s = Segments([2, 3]), np.array([1.0, 2.0, 2.0, 4.0, 6.0])
+    assert lines.slopes(s, np.array([0.0, 3.0, 1.0, 2.0, 5.0])).tolist() == [3.0, 3.0, 0.5, 1.0, 1.5]
+
+
 def test_of_the_values_that_are_kept_each_line_has_its_own():
     kept = np.array([False, True, True, True, False, True])
     assert [VALUES[kept][THREE.of_kept(kept).part(i)].tolist() for i in range(3)] == [[3], [7], [5, 9]]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
-from lane_dp_ros.core.road.road_bands import road_bands
+from lane_dp_ros.core.road.road_bands import BandPixels, road_bands
 from lane_dp_ros.core.types import StereoFrame
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -24,9 +24,9 @@ HORIZON_ROW = 60 + 0.03 * 500  # 75
 
 
 def unmatched(shape, first, downscale):
-    """Return a map of cells whose size is no whole number where the image is no multiple of it."""
+    """Return a map of whole cells: at the right and below some pixels of the image may be left over."""
     rows, columns = (shape[0] - first) // downscale, shape[1] // downscale
-    return DisparityMap(shape, first, np.full((rows, columns), np.nan, np.float32))
+    return DisparityMap(shape, first, np.full((rows, columns), np.nan, np.float32), downscale)
 
 
 def blob(shape, u, v, sigma):
@@ -40,6 +40,17 @@ def centroid(passed):
     bright = np.maximum(passed - 0.5 * passed.max(), 0)
     row, column = np.indices(bright.shape)
     return (bright * column).sum() / bright.sum(), (bright * row).sum() / bright.sum()
+
+
+def chosen(band, cells, most):
+    """Return row and column of the strong pixels in cells, each as its band shows it."""
+    pixels = band.strong_pixels(cells, most)
+    row, column = pixels.row.astype(int), pixels.column.astype(int)
+    np.testing.assert_array_equal(pixels.u, band.u[column])
+    np.testing.assert_array_equal(pixels.v, band.v[row])
+    np.testing.assert_array_equal(pixels.grey, band.left[row, column])
+    np.testing.assert_array_equal(pixels.gradient, band.left_gradient[row, column])
+    return row, column
 
 
 @given(
@@ -60,13 +71,13 @@ def test_pixels_lie_where_the_image_shows_them(shape, first, downscale, u, depth
     columns, rows = np.arange(len(band.u)), np.arange(len(band.v))
     assert np.interp(column, columns, band.u) == pytest.approx(u, abs=0.1 * band.step + 0.1)
     assert np.interp(row, rows, band.v) == pytest.approx(v, abs=0.1 * band.step + 0.1)
-    nearest = round(row) * len(band.u) + round(column)
-    (right_column,), (right_row,) = (each[0] for each in band.right_place(np.array([nearest]), ROAD))
+    fields = round(row), round(column), band.u[round(column)], band.v[round(row)], 0, 0
+    nearest = BandPixels(*np.array(fields, np.float32)[:, None])
+    (right_column,) = band.right_columns(nearest, ROAD.disparity(nearest.u, nearest.v), CAMERA)
     expected_column, _ = centroid(band.right)
     slope = 0.4 * FOCAL / (FOCAL * HEIGHT)  # px of disparity a row
     tolerance = 0.2 + (0.5 + 0.1) * slope
     assert right_column - round(column) == pytest.approx(expected_column - column, abs=tolerance)
-    assert right_row == round(row)
 
 
 @given(shape=SIZES, first=st.integers(40, 50), downscale=st.integers(1, 9))
@@ -106,13 +117,13 @@ def test_strong_pixels_are_those_of_chosen_cells_with_a_gradient():
     disparity = unmatched((300, 640), 44, 4)
     _, near = road_bands(StereoFrame(left, left), disparity, ROAD)
     cells = np.zeros((near.rows.stop - near.rows.start, 160), bool)
-    assert len(near.strong_pixels(cells, 100)) == 0
+    assert len(near.strong_pixels(cells, 100).u) == 0
     cells[2] = True
-    row, column = np.divmod(near.strong_pixels(cells, 100), len(near.u))
+    row, column = chosen(near, cells, 100)
     assert set(row) == {4, 5}  # of two pixels a cell
     assert {159, 160} <= set(column) <= set(range(153, 167))  # what is high-passed rings
     cells[:, :80] = True
-    assert len(near.strong_pixels(cells, 7)) in range(4, 8)
+    assert len(near.strong_pixels(cells, 7).u) in range(4, 8)
 
 
 def test_no_more_pixels_than_asked_for_are_taken():
@@ -120,6 +131,6 @@ def test_no_more_pixels_than_asked_for_are_taken():
     for band in road_bands(StereoFrame(noise, noise), unmatched((300, 640), 44, 4), ROAD):
         cells = np.ones((band.rows.stop - band.rows.start, 160), bool)
         for most in (1, 100, 10_000_000):
-            chosen = band.strong_pixels(cells, most)
-            assert 0 < len(chosen) <= most
-            assert np.all(np.diff(chosen) > 0)
+            row, column = chosen(band, cells, most)
+            assert 0 < len(row) <= most
+            assert np.all(np.diff(row * len(band.u) + column) > 0)

@@ -55,7 +55,7 @@ def hill(camera, curvature, roll=0.0):
 def noisy(disparity, seed, outliers=0.0):
     """Return a map with noise of a twentieth of a cell and a share of cells with any disparity."""
     rng = np.random.default_rng(seed)
-    matched = disparity.matched + rng.normal(0, 0.05 * disparity.cell_size[0], disparity.matched.shape)
+    matched = disparity.matched + rng.normal(0, 0.05 * disparity.cell, disparity.matched.shape)
     wrong = rng.random(matched.shape) < outliers
     matched = np.where(wrong, rng.uniform(0, 90, matched.shape), matched)
     return replace(disparity, matched=matched.astype(np.float32))

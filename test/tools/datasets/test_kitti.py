@@ -81,7 +81,13 @@ def test_gray_odometry(tmp_path: Path) -> None:
     assert sequence.stamps_ns == [0, 103611700, 207352900]
     messages = converted(sequence, tmp_path / "bag")
     topics = {f"/{side}/{name}" for side in ("left", "right") for name in ("image_rect", "camera_info")}
-    assert messages.keys() == topics
+    assert messages.keys() == topics | {"/tf_static"}
+    (poses,) = messages.pop("/tf_static")
+    (pose,) = poses.transforms
+    assert (pose.header.frame_id, pose.transform.translation.z) == ("base_link", 1.65)
+    assert pose.child_frame_id == messages["/left/image_rect"][0].header.frame_id
+    turned = pose.transform.rotation
+    assert (turned.x, turned.y, turned.z, turned.w) == (-0.5, 0.5, -0.5, 0.5)  # REP 103
     assert all(len(of_topic) == 3 for of_topic in messages.values())
     for side, camera in (("left", 0), ("right", 1)):
         for index, message in enumerate(messages[f"/{side}/image_rect"]):
@@ -225,6 +231,7 @@ def test_real_sequences(tmp_path: Path, kitti_data: Path, number: str, count: in
     assert len(sequence) == count
     assert sequence.P_left[0, 3] == offset
     messages = converted(sequence, tmp_path / "bag")
+    assert len(messages.pop("/tf_static")) == 1
     assert [len(of_topic) for of_topic in messages.values()] == [count] * 4
     infos = (messages[f"/{side}/camera_info"][0] for side in ("left", "right"))
     assert 0.5 < camera_from_ros(*infos).baseline < 0.6

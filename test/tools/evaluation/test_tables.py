@@ -2,6 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """lane_dp tables: what is judged, what is missing, and the baseline that stands beside ours."""
 
+import os
+import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +15,7 @@ import pytest
 
 from lane_dp_ros.scenes import CAMERA, Road, render_pair
 from lane_dp_ros.tools.cli import main
-from lane_dp_ros.tools.cli.tables import BASELINE
-from lane_dp_ros.tools.evaluation.detectors import file_detector
+from lane_dp_ros.tools.evaluation.detectors import baseline_detector
 from lane_dp_ros.tools.evaluation.labelled_pairs import load_pairs
 from lane_dp_ros.tools.evaluation.matching import judge
 from lane_dp_ros.tools.evaluation.papers_tables import OURS, papers_tables
@@ -20,6 +23,7 @@ from lane_dp_ros.tools.evaluation.summary import Summary, summarise
 from lane_dp_ros.tools.evaluation.truth_file import save_truth
 
 DRIVE = "2011_09_26_drive_0027"
+SOURCE = Path(__file__).resolve().parents[3]
 NOON = 1317038400  # 2011-09-26 12:00:00 UTC
 
 
@@ -161,12 +165,33 @@ def test_a_detector_that_is_not_there(folder, capsys) -> None:
     assert "none.py is no Python file" in failure(capsys, folder, "--detector", folder / "none.py")
 
 
-def test_without_the_source_tree(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("lane_dp_ros.tools.cli.tables.BASELINE", folder / "not_installed.py")
-    assert main(["tables", str(folder), "--jobs", "1"]) == 0
-    out = capsys.readouterr().out
-    assert "no baseline: not_installed.py is not installed" in out
-    assert len(row(out, "street")) == 4 * 4
+@pytest.fixture(scope="module")
+def installed_package(tmp_path_factory) -> Path:
+    """Return a folder with what setup.py installs, and nothing else of the source tree."""
+    pytest.importorskip("setuptools", reason="packages are built by it: pip install setuptools")
+    copy = tmp_path_factory.mktemp("source") / "copy"  # a build leaves files in its tree
+    shutil.copytree(
+        SOURCE / "lane_dp_ros", copy / "lane_dp_ros", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    shutil.copy(SOURCE / "setup.py", copy)
+    build = [sys.executable, "setup.py", "--quiet", "build_py", "--build-lib", str(copy.parent / "installed")]
+    subprocess.run(build, cwd=copy, check=True, capture_output=True)
+    return copy.parent / "installed"
+
+
+def test_an_installed_package_needs_no_source_tree(folder, installed_package, tmp_path_factory) -> None:
+    empty = tmp_path_factory.mktemp("empty")
+    environment = {**os.environ, "PYTHONPATH": str(installed_package)}
+    evaluation = ["evaluate", folder, "--truth", folder / "truth.json", "--report", "report"]
+    for command in (["tables", folder], evaluation):
+        arguments = [sys.executable, "-m", "lane_dp_ros.tools.cli", *map(str, command), "--jobs", "1"]
+        done = subprocess.run(
+            arguments, cwd=empty, env=environment, capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        if command[0] == "tables":
+            assert [row(done.stdout, "street")[i] for i in (0, 4, 8)] == ["4", "4", "4"]  # with the baseline
+    assert [each.name for each in empty.iterdir()] == ["report"]
 
 
 def test_nothing_to_judge(tmp_path, write_stereo_bag, scene_pairs, capsys) -> None:
@@ -203,7 +228,7 @@ def test_the_total_of_the_five_takes_all_five() -> None:
 
 
 def test_the_baseline_finds_straight_lines() -> None:
-    baseline = file_detector(BASELINE)
+    baseline = baseline_detector()
     assert "reading" in baseline.name
     pair = render_pair(Road(swing=0.0), position=50.0, seed=3)
     result = judge(pair.truth, baseline.detect(pair.left, pair.right, CAMERA), CAMERA)
@@ -215,11 +240,11 @@ def test_the_baseline_finds_straight_lines() -> None:
 @pytest.mark.parametrize("level", [0, 255])
 def test_the_baseline_finds_nothing_in_nothing(level) -> None:
     image = np.full((375, 1242), level, np.uint8)
-    assert file_detector(BASELINE).detect(image, image, CAMERA) == ()
+    assert baseline_detector().detect(image, image, CAMERA) == ()
 
 
 def test_the_baseline_is_no_straw_man(kitti_data) -> None:
-    baseline = file_detector(BASELINE)
+    baseline = baseline_detector()
     _, pairs = load_pairs(kitti_data, kitti_data / "labels/lanes.json")
     results = [
         judge(p.frame, baseline.detect(*p.load(), p.frame.camera), p.frame.camera)

@@ -12,13 +12,13 @@ import pytest
 
 from lane_dp_ros.scenes.categories import CATEGORIES
 from lane_dp_ros.tools.evaluation.depth import CURVE_DEPTHS, NO_SURFACE, DepthErrors
+from lane_dp_ros.tools.evaluation.failures import Failure, counts_by_reason, failures, reason, worst_first
 from lane_dp_ros.tools.evaluation.reliability import confidences, reliability
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 from lane_dp_ros.tools.evaluation.summary import summarise
 from lane_dp_ros.tools.report.chart import Axis, Chart
 from lane_dp_ros.tools.report.curves import error_over_distance, threshold_curve
 from lane_dp_ros.tools.report.depth_plot import depth_chart
-from lane_dp_ros.tools.report.failures import Failure, counts_by_reason, failures, reason, worst_first
 from lane_dp_ros.tools.report.plots import plots, surface_plots
 from lane_dp_ros.tools.report.tables import frames_by_depth_error
 

@@ -73,12 +73,14 @@ def _to_next_dash(
     """Return the line with the next dash beyond its `end`, fitted anew; None where there is none."""
     view = paint.view
     per_row = view.resolution[0]
-    rows = _rows_beyond(line, end, len(view.s))
+    rows, shortest = _rows_beyond(line, end, len(view.s)), round(DASH_MIN / per_row)
+    if len(rows) < shortest:
+        return None
     s = view.s[rows]
     n = line.n[end] + _slope(line, end) * (s - line.s[end])
     centre, weight = paint.centres(rows, view.columns(n))
     painted = (weight > PAINTED) & (n > view.n[0]) & (n < view.n[-1])
-    dash = _first_run(painted, round(DASH_MIN / per_row))
+    dash = _first_run(painted, shortest)
     if dash is None or dash.start * per_row > config.gap_max:
         return None
     if _turn(s[dash], (centre - n)[dash]) > config.turn_max:

@@ -7,16 +7,16 @@ from __future__ import annotations
 import numpy as np
 
 from lane_dp_ros.core.birdseye.paint_profile import PaintProfile, paint_gain
-from lane_dp_ros.core.lanes.candidate import LaneEvidence, LaneLine
+from lane_dp_ros.core.lanes.candidate import LaneLine
 from lane_dp_ros.core.lanes.line_fit import MIN_ROWS, polynomial_fit
 
 STEEP = 0.15  # lateral over forward
 PAST_PAINT = 0.1  # share of its paint that a line passes beside
 
 
-def leads_astray(evidence: LaneEvidence) -> bool:
+def leads_astray(slope: float, off_paint_fraction: float) -> bool:
     """Return whether a line is so steep, or so often beside its paint, that its nearer half may be better."""
-    return evidence.slope > STEEP or evidence.off_paint_fraction > PAST_PAINT
+    return slope > STEEP or off_paint_fraction > PAST_PAINT
 
 
 def near_half(line: LaneLine, paint: PaintProfile, blank_cost: float) -> LaneLine | None:

@@ -15,7 +15,7 @@ their program: what it measures is its own.
 Two things come from the stereo road surface of lane_dp_ros.core, so that the same evaluation can judge the
 lines: how wide a band is in metres, and where in space a ray runs over the road.
 
-lane_dp tables DATA...       # in the source tree: prints it beside ours
+`lane_dp tables DATA...` prints it beside ours.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Literal, NamedTuple
 
+from lane_dp_ros.core.types import Lane
 from lane_dp_ros.tools.evaluation.scores import FrameScore
 
 Kind = Literal["missed", "incorrect", "not found", "false", "duplicate"]
@@ -84,7 +85,7 @@ def worst_first(results: Iterable[FrameScore]) -> list[FrameScore]:
     The frames of a sequence look alike: the worst of each comes before the second worst of any, as far as
     they fail.
     """
-    order = sorted(results, key=_badness, reverse=True)
+    order = sorted(results, key=badness, reverse=True)
     before: Counter[str] = Counter()
     turns = {}
     for result in order:
@@ -107,6 +108,12 @@ def _rank(reason: str) -> int:
     return classes.index(reason) if reason in classes else len(classes) + (reason == UNKNOWN)
 
 
-def _badness(result: FrameScore) -> tuple[int, float]:
+def badness(result: FrameScore) -> tuple[int, float]:
+    """Return how bad a frame is: the weight of its failures, and among equals the largest error [m]."""
     weight = sum(WEIGHTS[failure.kind] for failure in failures(result))
     return weight, max((match.error for match in result.found), default=0.0)
+
+
+def aside(lane: Lane) -> str:
+    """Return in words where a line runs, beside the vehicle."""
+    return f"{abs(lane.lateral_offset):.1f} m {'left' if lane.lateral_offset < 0 else 'right'}"
