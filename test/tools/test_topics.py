@@ -115,3 +115,23 @@ def test_a_ros_1_bag_gives_the_same_lanes(write_stereo_bag, scene_pairs, tmp_pat
             lanes.append([raw.data for raw in reader.raw_messages(["/lanes"])])
     assert len(lanes[0]) == 3
     assert lanes[0] == lanes[1]
+
+
+def test_several_bags_of_one_vehicle(write_stereo_bag, scene_pairs, tmp_path) -> None:
+    plain = write_stereo_bag(scene_pairs[:1])
+    bags = [two_cars(plain, tmp_path / name) for name in ("morning", "evening")]
+    assert main(["run", *map(str, bags), "-o", str(tmp_path / "out"), "--camera", "/b"]) == 0
+    assert [lanes_of(tmp_path / "out" / f"{bag.name}.mcap") for bag in bags] == [{"/b/lanes": 1}] * 2
+
+
+def test_a_comparison_finds_its_images_on_the_topics_that_are_named(
+    write_stereo_bag, scene_pairs, tmp_path
+) -> None:
+    bag = two_cars(write_stereo_bag(scene_pairs), tmp_path / "two")
+    judged = ["evaluate", str(bag), "--unpainted", "--jobs", "1", "--camera", "/a"]
+    for name, preset in (("a", "default"), ("b", "paper")):
+        assert main([*judged, "--preset", preset, "--json", str(tmp_path / f"{name}.json")]) == 0
+    compared = [str(tmp_path / f"{name}.json") for name in ("a", "b")]
+    report = ["--report", str(tmp_path / "changes"), "--camera", "/a"]
+    assert main(["evaluate", str(bag), "--compare", *compared, *report]) == 0
+    assert "several stereo cameras" not in (tmp_path / "changes/index.html").read_text()
