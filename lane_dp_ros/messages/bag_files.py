@@ -15,6 +15,7 @@ from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.unpacking import of_rosbags
 
 STORAGE_ENDINGS = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
+BESIDE_STORAGE = (".db3-wal", ".db3-shm", ".db3-journal")  # what an SQLite recorder that was killed leaves
 METADATA = "metadata.yaml"
 
 _LOGGER = logging.getLogger(__name__)
@@ -55,12 +56,17 @@ def bag_files(path: Path) -> BagFiles:
 
 
 def looks_like_bag(path: Path) -> bool:
-    """Return whether a path is a bag's folder, or a file named like a bag's; it may still be damaged."""
+    """Return whether a path is a bag's folder, or a file named like a bag's; it may still be damaged.
+
+    A folder without metadata.yaml is one when the files of one recording are all that it holds.
+    """
     if path.is_file():
         return _is_storage(path) or path.suffix == ".bag"
     if not path.is_dir():
         return False
-    return (path / METADATA).is_file() or len(_stems(filter(_is_storage, path.iterdir()))) == 1
+    there = [each for each in path.iterdir() if not each.name.startswith(".")]
+    alone = all(_is_storage(each) or each.name.endswith(BESIDE_STORAGE) for each in there)
+    return (path / METADATA).is_file() or (alone and len(_stems(filter(_is_storage, there))) == 1)
 
 
 def say_what_is_missing(path: Path, counted: int | None, count: int) -> None:

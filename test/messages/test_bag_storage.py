@@ -15,6 +15,7 @@ import pytest
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from lane_dp_ros.messages.bag import STORAGES, BagReader, bag_message
+from lane_dp_ros.messages.bag_files import looks_like_bag
 from lane_dp_ros.messages.bag_message import typestore
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.unpacking import zstd as zstd_module
@@ -408,3 +409,16 @@ def test_a_ros_1_chunk_that_unpacks_to_more_than_any_message_is_refused(tmp_path
         BagReader(tmp_path / "old.bag") as reader,
     ):
         list(reader.messages())
+
+
+def test_what_looks_like_a_bag(tmp_path):
+    bag = write(tmp_path / "bag")
+    assert looks_like_bag(bag)
+    assert looks_like_bag(only_file(bag))
+    assert not looks_like_bag(tmp_path)
+    (bag / "metadata.yaml").unlink()
+    (bag / ".hidden").touch()
+    assert looks_like_bag(bag)
+    (bag / "truth.json").touch()  # a folder of data with a bag in it
+    assert not looks_like_bag(bag)
+    assert numbers_in(bag) == [0, 1, 2, 3, 4]
