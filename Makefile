@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
 #
+#   make         make the venv: lane_dp and lane_detector in .venv/bin, with ROS 2
 #   make demo    render a road, play it into a running lane_detector, write pictures to demo/
 #   make test    run the tests: all with the newest numpy and OpenCV, those of what Jazzy runs with Jazzy's
 #   make lint    ruff, mypy, and the directions of imports
+#   make docs-test  run every command line of README.md and of the quick start, installed in each of the three ways
 #   make bench   measure the speed, write tables and pictures to bench/
 #   make docs    build the documentation: docs/_build/index.html
 #   make clean   remove all that the above made, the venvs too
@@ -51,14 +53,23 @@ export PYTHONNOUSERSITE := 1
 export ROS_PYTHON_CHECK_FIELDS := 1
 pip_install := -m pip install --quiet --disable-pip-version-check --no-input
 
-.PHONY: help demo test $(worlds:%=test-in-%) name-worlds lint bench docs clean check-python check-ros
+.PHONY: venv help demo docs-test test $(worlds:%=test-in-%) name-worlds lint bench docs clean check-python check-ros
 .NOTPARALLEL:
+
+venv: $(main)/$(made)
+	@echo "lane_dp and lane_detector are in $(main)/bin; to call them by name alone: . $(main)/bin/activate"
 
 help:
 	@sed -n 's/^#   make/make/p' $(firstword $(MAKEFILE_LIST))
 
 demo: $(main)/$(made)
 	@$(main)/bin/lane_dp demo
+
+# The ways in which to install: make docs-test ROUTES=pip tries one.
+ROUTES ?= make pip colcon
+
+docs-test: $(main)/$(made)
+	@timeout 480 sh -c 'for route in $(ROUTES); do $(main)/bin/python .ci/docs_test.py $$route --python $(PYTHON) || exit 1; done'
 
 test: name-worlds $(worlds:%=test-in-%)
 

@@ -28,9 +28,10 @@ from matplotlib.figure import Figure
 from study_runner import labelled_pairs
 
 from lane_dp_ros import scenes
-from lane_dp_ros.core.config import PRESETS, preset
+from lane_dp_ros.core.config import preset
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.tools.datasets.kitti import LAYOUTS, load_pairs
 from lane_dp_ros.tools.progress import progress

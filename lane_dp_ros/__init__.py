@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+import re
+from importlib import import_module, metadata
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -23,6 +25,7 @@ __all__ = [
     "Prior",
     "StereoCamera",
     "StereoFrame",
+    "__version__",
     "preset",
 ]
 
@@ -40,7 +43,19 @@ _MODULES = {
 }
 
 
+def version() -> str:
+    """Return the version of what is installed, or of the source tree that this runs in."""
+    try:
+        return metadata.version(__name__)
+    except metadata.PackageNotFoundError:
+        manifest = Path(__file__).parents[1] / "package.xml"
+        found = re.search(r"<version>(.+)</version>", manifest.read_text()) if manifest.is_file() else None
+        return found[1] if found else "unknown"
+
+
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return version()
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.core.{_MODULES[name]}"), name)

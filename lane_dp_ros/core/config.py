@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The configuration of the lane pipeline, one part a stage that stands beside its stage; the presets."""
+"""The configuration of the lane pipeline, one part a stage that stands beside its stage."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from lane_dp_ros.core.lanes.selection import LaneSelectionConfig
 from lane_dp_ros.core.lanes.variants.extension import ExtensionConfig
 from lane_dp_ros.core.lanes.variants.parallel import ParallelConfig
 from lane_dp_ros.core.lanes.variants.stop_line import StopLineConfig
-from lane_dp_ros.core.parameter import Parameters, Value, parameter, replaced
+from lane_dp_ros.core.parameter import Parameters, parameter, replaced
+from lane_dp_ros.core.presets import PAPER, PRESETS
 from lane_dp_ros.core.road.disparity import DisparityConfig
 from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 from lane_dp_ros.core.road.vanishing_point import VanishingPointConfig
@@ -40,25 +41,6 @@ class DetectorConfig(Parameters):
     axis_refinement: AxisRefinementConfig = field(default_factory=AxisRefinementConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
     seed: int = parameter(0, "Seed of the random samples: same frame, same lanes.", limits=(0, 2**31 - 1))
-
-
-PRESETS = ("default", "paper")
-
-PAPER: dict[str, Value] = {
-    "road_profile.model": "quadratic",
-    "vanishing_point.method": "dense",
-    "vanishing_point.centred_principal_point": True,
-    "birds_eye.near": 0.0,
-    "birds_eye.width": 12.0,
-    "birds_eye.forward_resolution": 1 / 15,
-    "paint_map.feature": "edges_and_grey",
-    "path_search.free_ends": False,
-    "path_search.suppression": 1.0,
-    "lane_model.model": "parabola",
-    "lane_model.residual_threshold": 5**0.5 * 0.05,  # t_r = 5 px^2 at 20 px/m
-    "lane_selection.evidence": False,
-    "tracking.enabled": False,
-}
 
 
 def preset(name: str) -> DetectorConfig:

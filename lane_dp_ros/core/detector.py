@@ -14,9 +14,11 @@ from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.disparity_map import DisparityMap
 from lane_dp_ros.core.geometry.road_surface import RoadSurface
+from lane_dp_ros.core.geometry.vertical_curve import VerticalCurve
 from lane_dp_ros.core.lanes.candidate import Candidate, LanePath
 from lane_dp_ros.core.lanes.lifting import to_lanes, to_road_edges
 from lane_dp_ros.core.lanes.markings import with_markings
+from lane_dp_ros.core.monitoring.same_picture import is_same_picture
 from lane_dp_ros.core.road.disparity import dense_disparity
 from lane_dp_ros.core.road.road_profile import largest_disparity, plausible_heights, road_profile
 from lane_dp_ros.core.road.vanishing_point import RoadDirection, direction_along, direction_estimator
@@ -72,6 +74,8 @@ class LaneDetector:
         self._profile = road_profile(self.config.road_profile)
         self._direction = direction_estimator(self.config.vanishing_point)
         self._search = LaneSearch(self.config)
+        profile = self.config.road_profile
+        self._nominal = VerticalCurve.plane(camera, profile.camera_height, profile.camera_pitch)
 
     def match(self, frame: StereoFrame) -> DisparityMap:
         """Return the disparity of a frame: the part of `detect` that needs no prior."""
@@ -174,6 +178,8 @@ class LaneDetector:
         """Return why the road that was measured in a frame does not serve, empty where it does."""
         if road.source == "measured":
             return ""
+        if frame.right is not None and is_same_picture(frame.left, frame.right, self._nominal):
+            return "left and right show the same picture"
         if road.reason:
             return f"the road contradicts the one before: {road.reason}"
         if frame.right is None:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,13 +21,16 @@ from lane_dp_ros.core.monitoring.calibration_monitor import (
     CalibrationStatus,
     Observation,
 )
+from lane_dp_ros.core.monitoring.right_delay import right_delay
+from lane_dp_ros.core.monitoring.same_picture import is_same_picture
 from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.tracking.tracker import LaneTracker
-from lane_dp_ros.core.types import Lane, Prior, StereoFrame, with_roles
+from lane_dp_ros.core.types import Image, Lane, Prior, StereoFrame, with_roles
 
-ROWS_PERIOD_NS = 500_000_000  # between comparisons of the rows of left and right: a calibration does not jump
+CHECK_PERIOD_NS = 500_000_000  # between comparisons of left and right: a calibration does not jump
+BEFORE_NS = 150_000_000  # an older picture shows too little of what the last one shows
 COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
 VOTE_PERIOD_NS = 300_000_000  # for which the axis goes on from frame to frame; then the edges vote anew
 SAME_PLACE = 0.25  # m; a road edge so near to a lane's centre is that lane's paint
@@ -86,7 +89,8 @@ class LanePipeline:
     _monitor: CalibrationMonitor = field(default_factory=CalibrationMonitor, init=False)
     _memory: _Memory = field(default_factory=_Memory, init=False)
     _detector: LaneDetector | None = field(default=None, init=False)
-    _rows_ns: int = field(default=0, init=False)  # when the rows were compared last
+    _checked_ns: int = field(default=0, init=False)  # when left and right were compared last
+    _before: tuple[int, Image] | None = field(default=None, init=False)  # the last left picture and its stamp
 
     def process(
         self,
@@ -176,12 +180,25 @@ class LanePipeline:
         """Return what the frames so far say of the calibration."""
         if frame.right is None:
             return UNCHECKED
-        stamp_ns, rows = self._memory.stamp_ns, None
-        if not 0 <= stamp_ns - self._rows_ns < ROWS_PERIOD_NS:
-            self._rows_ns = stamp_ns
-            rows = vertical_disparity(frame.left, frame.right, detection.disparity, camera)
+        nominal = _nominal_road(camera, config)
+        sight = self._compared(frame, detection, nominal)
         road = detection.road if detection.road_estimate.source == "measured" else None
-        return self._monitor.update(Observation(stamp_ns, road, lanes, rows), _nominal_road(camera, config))
+        return self._monitor.update(replace(sight, road=road, lanes=lanes), nominal)
+
+    def _compared(self, frame: StereoFrame, detection: LaneDetection, nominal: RoadSurface) -> Observation:
+        """Return what a comparison of left and right gives, where one is due."""
+        stamp_ns, before = self._memory.stamp_ns, self._before
+        self._before = stamp_ns, frame.left
+        if frame.right is None or 0 <= stamp_ns - self._checked_ns < CHECK_PERIOD_NS:
+            return Observation(stamp_ns)
+        self._checked_ns = stamp_ns
+        rows = vertical_disparity(frame.left, frame.right, detection.disparity, nominal.camera)
+        left, right = (StereoFrame(image).grey().left for image in (frame.left, frame.right))
+        same, delay = detection.road is None and is_same_picture(left, right, nominal), None
+        if before is not None and 0 < stamp_ns - before[0] <= BEFORE_NS and not same:
+            share = right_delay(left, StereoFrame(before[1]).grey().left, right, nominal)
+            delay = None if share is None else share * (stamp_ns - before[0]) / 1e9
+        return Observation(stamp_ns, vertical_disparity=rows, same_picture=same, right_delay=delay)
 
 
 def _lies_on_paint(edge: Lane, lanes: tuple[Lane, ...]) -> bool:

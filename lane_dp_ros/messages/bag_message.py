@@ -9,22 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lane_dp_ros.messages.errors import CommandError
-
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 
 @lru_cache(maxsize=1)
 def typestore() -> Typestore:
-    """Return Jazzy's message types.
+    """Return Jazzy's message types."""
+    from rosbags.typesys import Stores, get_typestore
 
-    Raises CommandError when the rosbags library is not installed.
-    """
-    try:
-        from rosbags.typesys import Stores, get_typestore
-    except ModuleNotFoundError as error:
-        raise CommandError(f"reading and writing bags needs rosbags ({error}): pip install rosbags") from None
     return get_typestore(Stores.ROS2_JAZZY)
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from http import HTTPStatus
@@ -17,13 +18,16 @@ from lane_dp_ros.review.open_requests import OpenRequests, RefusedError
 from lane_dp_ros.review.review import Review
 
 ADDRESS = "127.0.0.1"
-LARGEST_REQUEST = 1_000_000  # bytes
-DROPPED = 4 * LARGEST_REQUEST  # bytes of a larger request that are read for nothing, the rest is cut off
+LARGEST_REQUEST = 20_000_000  # bytes; the lines of a thousand frames in COCO's format
+LENGTH = re.compile("[0-9]{1,12}")
+LONGEST_ERROR = 1000  # characters
+DROPPED = 2 * LARGEST_REQUEST  # bytes of a larger request that are read for nothing, the rest is cut off
 STATIC = {
     "/": ("index.html", "text/html; charset=utf-8"),
     "/review.css": ("review.css", "text/css; charset=utf-8"),
     "/review.js": ("review.js", "text/javascript; charset=utf-8"),
     "/api.js": ("api.js", "text/javascript; charset=utf-8"),
+    "/files.js": ("files.js", "text/javascript; charset=utf-8"),
     "/editor.js": ("editor.js", "text/javascript; charset=utf-8"),
     "/picture.js": ("picture.js", "text/javascript; charset=utf-8"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
@@ -72,6 +76,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def _answer(self, respond: Callable[[Review], tuple[bytes, str]]) -> None:
         try:
+            self._read_body()  # left on the connection, it would be taken for the next request
             with self.site.requests.one_more():
                 self._check_origin()
                 content, kind = respond(self._review())
@@ -121,38 +126,48 @@ class Handler(BaseHTTPRequestHandler):
                 return _json(review.undo())
             case ["", "api", "export"]:
                 return _json(review.export())
+            case ["", "api", "export", form]:
+                return _json(review.export_lines(form))
+            case ["", "api", "import"]:
+                return _json(review.import_lines(body))
             case ["", "api", "frames", number, "verdicts"] if number.isdecimal():
                 return _json(review.judge(int(number), body))
             case ["", "api", "frames", number, "lines"] if number.isdecimal():
                 return _json(review.correct(int(number), body))
         raise LookupError(f"{self.path} is not here")
 
-    def _body(self) -> Any:
-        """Return the JSON that was sent; another site's form cannot send that type."""
-        length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > LARGEST_REQUEST:
-            self.close_connection = True
-            if length.isdecimal():  # a sender that is cut off in the middle does not get to read the answer
-                self.rfile.read(min(int(length), DROPPED))
+    def _read_body(self) -> None:
+        """Read the whole body. Raises RefusedError where nobody can tell its end, or it is too long."""
+        lengths = self.headers.get_all("Content-Length", ["0"])
+        if "Transfer-Encoding" in self.headers or len(lengths) > 1 or not LENGTH.fullmatch(lengths[0]):
+            raise RefusedError(HTTPStatus.BAD_REQUEST, "expected one Content-Length, a number of bytes")
+        if (length := int(lengths[0])) > LARGEST_REQUEST:
+            self.rfile.read(min(length, DROPPED))  # a sender that is cut off does not get to read the answer
             raise RefusedError(
                 HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"expected at most {LARGEST_REQUEST} bytes"
             )
-        text = self.rfile.read(int(length))
+        self._text = self.rfile.read(length)
+
+    def _body(self) -> Any:
+        """Return the JSON that was sent; another site's form cannot send that type."""
         if self.headers.get_content_type() != JSON:
             raise RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"expected {JSON}")
         try:
-            return json.loads(text)
+            return json.loads(self._text)
         except RecursionError:
             raise ValueError("the JSON is too deep") from None
 
     def _send_error(self, status: HTTPStatus, error: Exception) -> None:
-        content, kind = _json({"error": one_line(error)})
+        content, kind = _json({"error": one_line(error)[:LONGEST_ERROR]})
+        self.close_connection = True  # what follows a request that was refused is not asked by our page
         self._send(status, content, kind)
 
     def _send(self, status: HTTPStatus, content: bytes, kind: str) -> None:
         self.send_response(status)
         for name, value in {**HEADERS, "Content-Type": kind, "Content-Length": str(len(content))}.items():
             self.send_header(name, value)
+        if self.close_connection:
+            self.send_header("Connection", "close")
         self.end_headers()
         self.wfile.write(content)
 

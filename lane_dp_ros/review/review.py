@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import tempfile
 import threading
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,9 +18,11 @@ import numpy as np
 from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.pictures import GAP
 from lane_dp_ros.review.drive import Drive, Frame
+from lane_dp_ros.review.exchange import FORMATS, frame_name, lines_as_text, lines_from_text
 from lane_dp_ros.review.judgement import (
     SIDES,
     Judgement,
+    Line,
     Table,
     lines_from_json,
     lines_to_json,
@@ -60,22 +64,26 @@ class Review:
     def frame(self, index: int) -> dict[str, Any]:
         """Return a frame's stamp, verdicts, detected lanes, and its lines to be corrected."""
         frame = self._frame(index)
-        judgement = self._judgement(frame)
-        lines = detected_lines(frame) if judgement.lines is None else judgement.lines
         return {
             "index": index,
             "size": list(frame.size),
             "stamp": f"{frame.stamp_ns / 1e9:.3f}",
             "verdicts": self._verdicts(frame),
             "lanes": [_drawn(lane, frame) for lane in frame.lanes],
-            "lines": lines_to_json(lines),
-            "corrected": judgement.lines is not None,
+            "lines": lines_to_json(self._lines(frame)),
+            "corrected": self._judgement(frame).lines is not None,
         }
 
     def picture(self, index: int) -> bytes:
         """Return a frame's left image as JPEG."""
         image = self.drive.image(self._frame(index))
         return bytes(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1])
+
+    def pictures(self) -> Iterator[tuple[str, bytes]]:
+        """Yield name and picture, as JPEG, of every frame that has a picture that can be read."""
+        for frame in self.drive.frames:
+            with suppress(ValueError):
+                yield frame_name(self.drive, frame), self.picture(frame.index)
 
     def judge(self, index: int, verdicts: Any) -> dict[str, Any]:
         """Take verdicts in, of one side or of both at once: {"left": "correct"}."""
@@ -123,6 +131,35 @@ class Review:
         with tempfile.TemporaryDirectory() as folder:
             save_truth(frames, path := Path(folder) / f"{self.drive.name}.truth.json")
             return {"name": path.name, "text": path.read_text(), "frames": len(frames), "left_out": left_out}
+
+    def export_lines(self, form: str) -> dict[str, Any]:
+        """Return the lines of every frame, corrected or as detected, as the text of a file and its name."""
+        with self._lock:
+            lines = {frame.index: self._lines(frame) for frame in self.drive.frames}
+        text = lines_as_text(self.drive, lines, form)
+        return {"name": f"{self.drive.name}.{form}{FORMATS[form]}", "text": text, "frames": len(lines)}
+
+    def import_lines(self, text: Any) -> dict[str, Any]:
+        """Take the lines of an annotation tool's file in, all or none of them.
+
+        An image of the file that has none has no lines; what is no image of it stays as it is. So does a
+        frame whose lines are the same.
+        """
+        if not isinstance(text, str):
+            raise ValueError("expected the text of a file")
+        found, left_out = lines_from_text(self.drive, text)
+        with self._lock:
+            changes = {
+                frame.stamp_ns: replace(self._judgement(frame), lines=found[frame.index])
+                for frame in self.drive.frames
+                if frame.index in found and found[frame.index] != self._lines(frame)
+            }
+            return {"images": len(found), "changed": self.file.change_all(changes), "left_out": left_out}
+
+    def _lines(self, frame: Frame) -> tuple[Line, ...]:
+        """Return the lines of a frame: as corrected, else as detected."""
+        judgement = self._judgement(frame)
+        return detected_lines(frame) if judgement.lines is None else judgement.lines
 
     def _frame(self, index: int) -> Frame:
         if not 0 <= index < len(self.drive.frames):

@@ -7,7 +7,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -52,10 +52,15 @@ class ReviewFile:
 
     def change(self, stamp_ns: int, judgement: Judgement) -> None:
         """Take a judgement in."""
-        before = self.judgement(stamp_ns)
-        if judgement != before:
-            undo = [*self._undo, (stamp_ns, before)][-KEPT_UNDOS:]
-            self._keep({**self.judgements, stamp_ns: judgement}, undo)
+        self.change_all({stamp_ns: judgement})
+
+    def change_all(self, judgements: Mapping[int, Judgement]) -> int:
+        """Take judgements by stamp in, all or none; return how many are new. Each is undone by itself."""
+        new = {stamp: each for stamp, each in judgements.items() if each != self.judgement(stamp)}
+        if new:
+            undo = [*self._undo, *((stamp, self.judgement(stamp)) for stamp in new)][-KEPT_UNDOS:]
+            self._keep({**self.judgements, **new}, undo)
+        return len(new)
 
     def undo(self) -> int | None:
         """Take the last change back; return the stamp of its frame, None when there is none."""

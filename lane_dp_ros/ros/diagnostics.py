@@ -181,6 +181,9 @@ def _calibration_values(check: CalibrationStatus) -> dict[str, str]:
         "disparity error [px]": _number(check.disparity_error, 1),
         "row shift [px]": _number(check.row_shift, 2),
         "row turn [px]": _number(check.row_turn, 2),
+        "right picture older by [ms]": _number(
+            None if check.right_delay is None else 1e3 * check.right_delay, 0
+        ),
     }
 
 

@@ -50,9 +50,9 @@ class StereoSubscriber:
         self._infos = CameraInfos()
         self._early: tuple[StereoPair, float] | None = None
         # First, so that of what comes at the same time the calibration is taken in before the images.
-        self._info_subscriptions = [
-            self._subscribe(CameraInfo, f"{side}/camera_info", partial(self._on_info, side)) for side in SIDES
-        ]
+        self._info_rank: dict[Side, int] = {}
+        subscriptions = {side: self._subscribe_to_infos(side) for side in SIDES}
+        self._info_subscriptions = [subscriptions[side][0] for side in SIDES]
         self._image_subscriptions: list[Subscription] = []
         self._subscribe_to_images(image_transport)
 
@@ -83,6 +83,13 @@ class StereoSubscriber:
             self._subscribe_to_images(image_transport)
         except ValueError as error:
             self._node.get_logger().error(one_line(error))
+
+    def _subscribe_to_infos(self, side: Side) -> list[Subscription]:
+        topics = _info_topics(self._node, side)
+        return [
+            self._subscribe(CameraInfo, topic, partial(self._on_info, side, rank))
+            for rank, topic in enumerate(topics)
+        ]
 
     def _subscribe_to_images(self, image_transport: str) -> None:
         before, subscriptions = self._image_subscriptions, []
@@ -124,7 +131,11 @@ class StereoSubscriber:
             self.early_dropped += self._early is not None
             self._early = (pair, now)
 
-    def _on_info(self, side: Side, msg: CameraInfo) -> None:
+    def _on_info(self, side: Side, rank: int, msg: CameraInfo) -> None:
+        """Take a CameraInfo in, unless one from a topic of a better rank, which is nearer to 0, has come."""
+        if rank > self._info_rank.get(side, rank):
+            return
+        self._info_rank[side] = rank
         now = time.monotonic()
         self._heard(self._info_subscriptions[SIDES.index(side)].topic_name, now)
         self._infos.hear(side, msg, now)
@@ -137,3 +148,20 @@ class StereoSubscriber:
         else:
             self.early_dropped += 1
         self._early = None
+
+
+def _info_topics(node: Node, side: Side) -> list[str]:
+    """Return the topics that a side's CameraInfo may come on, the best one first.
+
+    Where the images are remapped and SIDE/camera_info is not, it is camera_info beside the images, as
+    image_transport has it; the one under the node's own name serves until that has come.
+    """
+    image, info = f"{side}/image_rect", f"{side}/camera_info"
+    if _is_remapped(node, image) and not _is_remapped(node, info):
+        beside = f"{node.resolve_topic_name(image).rpartition('/')[0]}/camera_info"
+        return list(dict.fromkeys([beside, node.resolve_topic_name(info)]))
+    return [info]
+
+
+def _is_remapped(node: Node, topic: str) -> bool:
+    return node.resolve_topic_name(topic) != node.resolve_topic_name(topic, only_expand=True)

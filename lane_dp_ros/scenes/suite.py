@@ -18,15 +18,13 @@ from lane_dp_ros.messages.bag import BagWriter
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.stereo_bag import StereoBagWriter, StereoImages
 from lane_dp_ros.scenes.categories import CATEGORIES
+from lane_dp_ros.scenes.drive_options import BAG, FRAMES, RATE, TRUTH
 from lane_dp_ros.scenes.scene import CAMERA, FIRST_STAMP_NS, Scene, ScenePair, render_frame
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.truth_file import save_truth
 from lane_dp_ros.tools.parallel import parallel_map
 from lane_dp_ros.tools.progress import progress
 
-BAG, TRUTH = "scenes.mcap", "truth.json"
-SUITES = ("standard",)  # every category, in the order of the table
-FRAMES, RATE = 5, 10.0  # of a drive; [Hz]
 PAUSE_NS = 3_000_000_000  # between two drives: the detector forgets the one before
 SHEET_FRAME = 2  # of each drive
 SHEET_WIDTH, SHEET_COLUMNS = 720, 2  # [px] of a thumbnail

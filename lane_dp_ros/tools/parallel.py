@@ -15,8 +15,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import TypeVar
 
-import cv2
-
 from lane_dp_ros.messages.errors import CommandError
 
 Item = TypeVar("Item")
@@ -65,6 +63,8 @@ def _start(pool: ProcessPoolExecutor, jobs: int) -> None:
 
 
 def _set_up_worker() -> None:
+    import cv2
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)  # each process has a core
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -29,10 +29,8 @@ def load_yaml(path: Path) -> Any:
     Raises CommandError, in one line, for a file that cannot be read, is no YAML, is larger or nested deeper
     than parameters are, or has aliases, which ROS refuses, too.
     """
-    try:
-        import yaml  # comes with ROS; only this needs it
-    except ModuleNotFoundError:
-        raise CommandError("reading a parameter file needs PyYAML: pip install pyyaml") from None
+    import yaml  # only this needs it
+
     try:
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)

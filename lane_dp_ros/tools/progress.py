@@ -9,20 +9,13 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from lane_dp_ros.messages.errors import CommandError
-
 LOG_PERIOD = 30.0  # s between the lines where there is no terminal
 
 
 def progress(items: Iterable[Any], total: int, unit: str) -> Iterable[Any]:
-    """Yield `items` behind a progress bar on standard error; without a terminal a line every 30 s.
+    """Yield `items` behind a progress bar on standard error; without a terminal a line every 30 s."""
+    from tqdm import tqdm
 
-    Raises CommandError when tqdm is not installed.
-    """
-    try:
-        from tqdm import tqdm
-    except ModuleNotFoundError as error:
-        raise CommandError(f"the progress bar needs tqdm ({error}): pip install tqdm") from None
     if sys.stderr.isatty():
         return tqdm(items, total=total, unit=unit, dynamic_ncols=True)
     return _logged(items, total, unit)

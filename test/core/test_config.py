@@ -5,8 +5,9 @@
 import pytest
 
 from lane_dp_ros.core.birdseye.birds_eye import _grid
-from lane_dp_ros.core.config import PRESETS, DetectorConfig, preset
+from lane_dp_ros.core.config import DetectorConfig, preset
 from lane_dp_ros.core.parameter import parameters, replaced
+from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.core.road.disparity import DisparityConfig
 from lane_dp_ros.core.road.road_profile import RoadProfileConfig
 

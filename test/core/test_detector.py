@@ -234,10 +234,9 @@ NO_ROADS = {
     "white": (np.full((ROWS, COLUMNS), 255, np.uint8),) * 2,
     "noise": (noise(0), noise(1)),
     "flat wall": (noise(0), np.roll(noise(0), -20, axis=1)),
-    "infinitely far": (noise(0), noise(0)),
     "1x1": (np.zeros((1, 1), np.uint8),) * 2,
     "wide": (noise(0)[:2],) * 2,
-    "tall": (noise(0)[:, :3],) * 2,
+    "tall": (noise(0)[:, :3], noise(1)[:, :3]),
 }
 
 
@@ -249,6 +248,13 @@ def test_where_there_is_no_road_a_note_says_so(images):
     assert found.disparity.shape == images[0].shape
     assert found.road is found.birds_eye is found.direction is found.paint_map is None
     assert list(found.seconds) == STAGES[:2]
+
+
+def test_one_picture_on_both_sides_is_named(pair):
+    for image in (pair.left, noise(0)):
+        found = LaneDetector(CAMERA).detect(StereoFrame(image, image))
+        assert found.lanes == ()
+        assert found.note == "left and right show the same picture"
 
 
 def test_left_and_right_swapped_show_no_road(pair):

@@ -10,6 +10,7 @@ import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import UNCHECKED, FrameResult, LanePipeline
@@ -491,3 +492,39 @@ def test_a_road_edge_of_before_where_paint_is_seen_now_is_no_edge(frames, monkey
 def moved_aside(lane, aside, **changes):
     points = lane.points + np.array([aside, 0.0, 0.0])
     return replace(lane, points=points, lateral_offset=lane.lateral_offset + aside, **changes)
+
+
+@pytest.fixture(scope="module")
+def drive(rendered):
+    """Pairs of 4.2 s along a road, 0.1 s apart, small."""
+    pairs = rendered(render_sequence, 43, 10.0, 1)
+    return [
+        tuple(cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for image in images)
+        for images in ((pair.left, pair.right) for pair in pairs)
+    ]
+
+
+SMALL = StereoCamera(
+    CAMERA.fx / 2, CAMERA.fy / 2, CAMERA.cx / 2 - 0.25, CAMERA.cy / 2 - 0.25, CAMERA.baseline
+)
+
+
+@pytest.mark.parametrize(
+    ("shown", "complaint"),
+    [
+        (lambda drive, i: drive[i], ""),
+        (lambda drive, i: drive[min(i, 7)], ""),  # a vehicle that stops
+        (lambda drive, i: (drive[i][0], drive[i - 1][1]), "The right picture seems to be of another time, 1"),
+        (lambda drive, i: (drive[i - 1][0], drive[i][1]), "The right picture seems to be of another time, 1"),
+        (lambda drive, i: (drive[i][0], drive[i][0]), "Left and right show the same picture"),
+    ],
+    ids=["sound", "standing", "late", "early", "one camera"],
+)
+def test_what_is_wrong_with_the_pictures_is_named(drive, shown, complaint):
+    pairs = [(START + i * TENTH, StereoFrame(*shown(drive, i))) for i in range(1, len(drive))]
+    results = follow(pairs, camera=SMALL)
+    assert results[-1].check.complaint.startswith(complaint)
+    assert {bool(result.check.complaint) for result in results} == {False, bool(complaint)}
+    assert all(result.problem.startswith("left and right show the same") for result in results) == (
+        "same" in complaint
+    )

@@ -5,6 +5,7 @@
 import http.client
 import json
 import re
+import socket
 import threading
 import time
 from contextlib import suppress
@@ -93,6 +94,9 @@ def test_what_is_not_there(served, path) -> None:
         ("/api/frames/9/verdicts", {"left": "correct"}, 404, "frame 9 is not there: 0 to 4 are"),
         ("/api/frames/0/lines", [{}], 400, "is no line"),
         ("/api/frames/0/colour", {}, 404, "is not here"),
+        ("/api/export/yolo", None, 400, "format is 'yolo', expected one of coco, cvat"),
+        ("/api/import", {}, 400, "expected the text of a file"),
+        ("/api/import", "{}", 400, "images is None"),
     ],
 )
 def test_what_cannot_be_taken_is_refused_with_a_reason(served, path, value, status, reason) -> None:
@@ -105,9 +109,65 @@ def test_broken_json_and_too_much_of_it(served) -> None:
     headers = {"Content_Type": "application/json"}
     assert asked(served, "POST", "/api/undo", "{", **headers)[0] == 400
     assert asked(served, "POST", "/api/undo", "[" * 100_000, **headers)[0] == 400
-    assert asked(served, "POST", "/api/undo", "9" * 1_000_001, **headers)[0] == 413
-    assert asked(served, "POST", "/api/undo", "", Content_Length="-1", **headers)[0] == 413
+    assert asked(served, "POST", "/api/undo", "9" * 20_000_001, **headers)[0] == 413
+    assert asked(served, "POST", "/api/undo", "", Content_Length="-1", **headers)[0] == 400
     assert posted(served, "/api/undo", None) == (200, {"index": None})
+
+
+def raw_request(served, head: str, body: str, method: str = "POST") -> bytes:
+    first = f"{method} /api/undo HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\n"
+    return f"{first}{head}\r\n\r\n{body}".encode()
+
+
+SMUGGLED = '{"left": "missed", "right": "missed"}'
+# With a body that is itself a request, whose length {0} is told, not told, or told twice.
+OUTER = {
+    "another site": "Origin: http://evil.example\r\nContent-Length: {0}",
+    "a form": "Content-Type: text/plain\r\nContent-Length: {0}",
+    "no length": "Origin: http://evil.example",
+    "chunks": "Transfer-Encoding: chunked\r\nContent-Type: application/json",
+    "chunks and a length": "Transfer-Encoding: chunked\r\nContent-Length: 0",
+    "two lengths": "Content-Length: 0\r\nContent-Length: {0}\r\nContent-Type: application/json",
+    "a sign": "Content-Length: +{0}\r\nContent-Type: application/json",
+    "many digits": "Content-Length: " + "9" * 5000 + "\r\nContent-Type: application/json",
+    "no JSON": "Content-Length: {0}\r\nContent-Type: application/json",
+}
+
+
+@pytest.mark.parametrize("method", ["GET", "POST", "PUT", "OPTIONS"])
+@pytest.mark.parametrize("outer", OUTER.values(), ids=OUTER)
+def test_no_body_is_read_as_a_request(served, outer, method) -> None:
+    inner = raw_request(
+        served, f"Content-Type: application/json\r\nContent-Length: {len(SMUGGLED)}", SMUGGLED
+    ).replace(b"/api/undo", b"/api/frames/1/verdicts")
+    request = raw_request(served, outer.format(len(inner)), inner.decode(), method)
+    if method == "GET":
+        request = request.replace(b"GET /api/undo", b"GET /api/elsewhere")
+    with socket.create_connection(("127.0.0.1", served.port), timeout=10) as page:
+        page.sendall(request)
+        answers = b""
+        with suppress(ConnectionError):  # closed, with what was not read
+            while part := page.recv(65536):
+                answers += part
+    assert answers.startswith((b"HTTP/1.1 4", b"HTTP/1.1 501"))
+    assert answers.count(b"HTTP/1.1") == 1
+    assert json.loads(asked(served, "GET", "/api/drive")[2])["table"]["total"] == 0
+
+
+def test_a_connection_serves_request_after_request(served) -> None:
+    connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)
+    for _ in range(2):
+        connection.request("POST", "/api/undo", "null", {"Content-Type": "application/json"})
+        kept = connection.sock
+        assert json.loads(connection.getresponse().read()) == {"index": None}
+        assert connection.sock is kept is not None
+
+
+def test_numbers_beyond_all_floats_are_refused(served) -> None:
+    line = {"id": "1", "role": "other", "kind": "solid", "sure": True, "uv": [[10**400, 1], [2, 3]]}
+    status, answer = posted(served, "/api/frames/0/lines", [line])
+    assert (status, len(answer["error"]) < 200) == (400, True)
+    assert "expected two finite numbers [u, v]" in answer["error"]
 
 
 def test_a_change_that_cannot_be_saved_is_told(served, drive_bag) -> None:

@@ -10,7 +10,7 @@ import pytest
 from diagnostic_msgs.msg import KeyValue
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSReliabilityPolicy
-from sensor_msgs.msg import CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.types import Lane
@@ -161,6 +161,21 @@ def test_topics_can_be_remapped(make_rig):
     assert rig.node.count_subscribers("/cameras/l") == rig.node.count_publishers("/found") == 1
     rig.node.set_parameters([Parameter("image_transport", value="compressed")])
     rig.wait(lambda: rig.node.count_subscribers("/cameras/l/compressed") == 1)
+
+
+def test_camera_info_beside_remapped_images_is_taken_before_the_nodes_own(make_rig):
+    remaps = [f"{side}/image_rect:=cameras/{side}/image" for side in ("left", "right")]
+    rig = make_rig(cli_args=["--ros-args", "-r", remaps[0], "-r", remaps[1]])
+    own = rig.info_publishers
+    rig.info_publishers = {
+        side: rig.other.create_publisher(CameraInfo, f"cameras/{side}/camera_info", 10) for side in own
+    }
+    rig.wait_for_subscriptions([*own.values(), *rig.info_publishers.values()])
+    rig.assert_lives()  # by the CameraInfo beside the images
+    for _ in range(3):
+        for publisher in own.values():
+            publisher.publish(CameraInfo(width=10, height=10))  # another camera's
+        assert rig.answer(rig.send())
 
 
 def test_use_sim_time_without_a_clock_still_answers_and_reports(make_rig):

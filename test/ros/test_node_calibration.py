@@ -3,14 +3,15 @@
 """A calibration that cannot be right is said within seconds; one that arrives by halves is not mixed."""
 
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo
 
-from lane_dp_ros.scenes import CAMERA, SIZE
+from lane_dp_ros.scenes import CAMERA, SIZE, render_sequence
 
-OK, WARN = b"\x00", b"\x01"
+OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 SLOW_NS = 500_000_000  # between pairs: few fill the seconds that a verdict takes, and the rows of each count
 
 
@@ -75,6 +76,42 @@ def test_rows_that_do_not_meet_are_noticed(rig, scene_pair):
 def test_left_and_right_swapped_are_noticed(rig, scene_pair):
     rig.send_infos()
     warned(rig, "Are left and right swapped", left=scene_pair[1], right=scene_pair[0])
+
+
+def test_one_picture_on_both_sides_is_noticed(rig, scene_pair):
+    rig.send_infos()
+    warned(
+        rig,
+        "Left and right show the same picture: does one camera's topic serve as both?",
+        right=scene_pair[0],
+    )
+
+
+def test_a_right_picture_that_is_a_frame_late_is_noticed(rig, rendered):
+    rig.send_infos()
+    pairs = rendered(render_sequence, 43, 10.0, 1)
+    for before, pair in pairwise(pairs):
+        rig.answer(rig.send(left=pair.left, right=before.right))
+    values = rig.diagnosis(
+        "The right picture seems to be of another time, 100 ms older than the left one", WARN
+    )
+    assert float(values["right picture older by [ms]"]) == pytest.approx(100, abs=5)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "said"),
+    [
+        ((0, 1), 52.4, "a skew of 52.4 px"),
+        ((0, 3), -721.5 * 540, "the baseline is 540 m"),
+        ((1, 1), 640, "fy is"),
+    ],
+)
+def test_a_projection_of_no_stereo_camera_is_named(rig, place, value, said):
+    left, right = projections()
+    right[place] = value
+    rig.send_infos(left.ravel().tolist(), right.ravel().tolist())
+    rig.answer(rig.send())
+    rig.diagnosis(said, ERROR)
 
 
 def test_between_the_halves_of_a_new_calibration_the_old_one_holds(rig):

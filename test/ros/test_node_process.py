@@ -3,6 +3,7 @@
 """The executable: it answers across processes, ends with 0 when told to, and says why it cannot start."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -22,7 +23,7 @@ def start():
     processes = []
 
     def start_node(*ros_arguments):
-        command = [sys.executable, "-m", "lane_dp_ros.ros.lane_detector_node", "--ros-args", *ros_arguments]
+        command = [sys.executable, "-m", "lane_dp_ros.ros.start", "--ros-args", *ros_arguments]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
         processes.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment))
         return processes[-1]
@@ -75,6 +76,21 @@ def test_an_idle_node_ends_with_0_when_told_to(start, make_rig, number):
     process = start()
     make_rig(with_node=False)
     process.send_signal(number)
+    assert ended(process) == (0, "")
+
+
+@pytest.mark.parametrize("wait", [0.1, 0.4, 1.0])
+@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM, signal.SIGTERM]])
+def test_it_ends_with_0_while_it_starts(start, wait, signals):
+    process = start()
+    # Python itself takes a moment before it is ours to answer: it is once SIGTERM is caught.
+    status = Path(f"/proc/{process.pid}/status")
+    while not int(re.search(r"SigCgt:\s*(\w+)", status.read_text())[1], 16) & 1 << (signal.SIGTERM - 1):
+        time.sleep(0.005)
+    time.sleep(wait)
+    for number in signals:
+        process.send_signal(number)
+        time.sleep(0.05)
     assert ended(process) == (0, "")
 
 

@@ -196,17 +196,3 @@ def test_without_ros_only_what_needs_it_fails(tmp_path) -> None:
             (line,) = result.stderr.splitlines()
             assert "needs ROS 2 (No module named 'rclpy')" in line
     assert not (tmp_path / "demo").exists()
-
-
-@pytest.mark.parametrize(("module", "command"), [("rosbags", "run"), ("tqdm", "convert")])
-def test_without_a_library_it_says_which(tmp_path, module, command) -> None:
-    text = f"raise ModuleNotFoundError(\"No module named '{module}'\", name='{module}')"
-    (tmp_path / f"{module}.py").write_text(text)
-    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
-    (tmp_path / "x.mcap").touch()
-    folder = sequence(tmp_path)
-    inputs = {"run": [str(tmp_path / "x.mcap")], "convert": ["kitti-odometry", str(folder)]}
-    result = run_cli([command, *inputs[command], "-o", str(tmp_path / "y")], environment)
-    assert result.returncode == 1
-    (line,) = result.stderr.splitlines()
-    assert f"pip install {module}" in line

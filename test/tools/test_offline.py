@@ -18,11 +18,12 @@ from lane_dp_ros.core.types import Lane
 from lane_dp_ros.messages.bag import BagReader, BagWriter, bag_message
 from lane_dp_ros.messages.image import compressed_image_from_ros
 from lane_dp_ros.messages.lanes import lanes_from_ros
-from lane_dp_ros.scenes import CAMERA
+from lane_dp_ros.scenes import CAMERA, render_sequence
 from lane_dp_ros.tools.cli import main
 
 PICTURES = ("overlay/image/compressed", "ipm/image/compressed")
 OUTPUTS = ("lanes", "road_edges", *PICTURES, "left/camera_info", "right/camera_info")
+P_RIGHT = CAMERA.P_left - np.array([[0, 0, 0, CAMERA.fx * CAMERA.baseline], [0] * 4, [0] * 4])
 
 
 def written(path: Path) -> dict[str, list]:
@@ -269,6 +270,47 @@ def test_swapped_cameras(write_stereo_bag, scene_pairs, capsys) -> None:
     P_right[0, 3] = CAMERA.fx * CAMERA.baseline
     bag = write_stereo_bag(scene_pairs, P_right=P_right)
     assert "baseline" in failing_run(bag, capsys)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "said"),
+    [
+        ((0, 1), 52.4, "P of the right camera has a skew of 52.4 px"),
+        ((1, 1), 640.0, "fy is 721.5 px left and 640 px right, expected equal"),
+        ((2, 0), 0.05, "P of the right camera has the third row"),
+        (
+            (0, 3),
+            -721.5 * 540,
+            "the baseline is 540 m, expected 0.01 to 4 m on a vehicle (is P[0,3] in px mm?)",
+        ),
+        (
+            (0, 3),
+            0.0,
+            "the baseline is 0 m, expected 0.01 to 4 m on a vehicle (P[0,3] is equal left and right",
+        ),
+    ],
+)
+def test_a_projection_of_no_stereo_camera(write_stereo_bag, scene_pairs, capsys, place, value, said) -> None:
+    P_right = P_RIGHT.copy()
+    P_right[place] = value
+    assert said in failing_run(write_stereo_bag(scene_pairs[:1], P_right=P_right), capsys)
+
+
+@pytest.mark.parametrize(
+    ("right_of", "said"),
+    [
+        (lambda pairs, i: pairs[i].right, ""),
+        (lambda pairs, i: pairs[i].left, "Left and right show the same picture"),
+        (lambda pairs, i: pairs[i - 1].right, "The right picture seems to be of another time, 100 ms older"),
+    ],
+    ids=["sound", "one camera", "late"],
+)
+def test_what_is_wrong_with_the_pictures_is_told(write_stereo_bag, rendered, capsys, right_of, said) -> None:
+    pairs = rendered(render_sequence, 43, 10.0, 1)
+    wrong = [replace(pairs[i], right=right_of(pairs, i)) for i in range(1, len(pairs))]
+    run(write_stereo_bag(wrong, jpeg=True))
+    lines = [line for line in capsys.readouterr().out.splitlines() if " x " in line]
+    assert any(said in line for line in lines) if said else not lines
 
 
 def test_images_that_cannot_be_read_are_skipped(write_stereo_bag, scene_pairs, tmp_path, capsys) -> None:

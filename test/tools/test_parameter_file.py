@@ -11,8 +11,9 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from lane_dp_ros.core.config import PRESETS, DetectorConfig
+from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.parameter import Parameter, replaced
+from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig, all_parameters
 from lane_dp_ros.ros.lane_detector_node import LaneDetectorNode

@@ -12,6 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 
 ROW_TOLERANCE = 1.0  # px; more between the rows of left and right, and nothing matches
+FOCAL_TOLERANCE = 0.01  # of the focal length
+SKEW_MAX = 0.5  # px; calibrations that are written with rounded numbers stay far within
+ROUNDING = 1e-6  # of the third row
+BASELINES = (0.01, 4.0)  # m; a camera module for the palm of a hand, the mirrors of a lorry
+UNITS = {"mm": 1e-3, "cm": 1e-2, "km": 1e3}  # m
 
 
 @dataclass(frozen=True)
@@ -44,8 +49,8 @@ class StereoCamera:
                 )
         if not np.all(np.isfinite([self.cx, self.cy, self.disparity_offset, *self.left_translation])):
             raise ValueError("a projection matrix holds values that are not finite numbers")
-        if not (np.isfinite(self.baseline) and self.baseline > 0):
-            raise ValueError(f"the baseline is {self.baseline:.4g} m, expected > 0 (left and right swapped?)")
+        if problem := _baseline_problem(self.baseline, self.fx):
+            raise ValueError(problem)
 
     @classmethod
     def from_projections(cls, P_left: ArrayLike, P_right: ArrayLike) -> StereoCamera:
@@ -100,24 +105,66 @@ def _projection(P: ArrayLike, side: str) -> Floats:
     return matrix.reshape(3, 4)
 
 
+def _baseline_problem(baseline: float, fx: float) -> str:
+    """Return what is wrong with a baseline [m], and what may have been meant; empty for nothing."""
+    lowest, highest = BASELINES
+    if not np.isfinite(baseline) or baseline < 0:
+        return f"the baseline is {baseline:.4g} m, expected > 0 (left and right swapped?)"
+    if lowest <= baseline <= highest:
+        return ""
+    if baseline == 0:
+        hint = "P[0,3] is equal left and right, expected -fx * baseline [px m] for the right camera"
+    else:
+        hint = _unit_hint(baseline, fx)
+    return f"the baseline is {baseline:.4g} m, expected {lowest:g} to {highest:g} m on a vehicle ({hint})"
+
+
+def _unit_hint(baseline: float, fx: float) -> str:
+    """Return in which unit a baseline outside `BASELINES` would be one."""
+
+    def fits(factor: float) -> bool:
+        return BASELINES[0] <= baseline * factor <= BASELINES[1]
+
+    units = " or ".join(f"px {name}" for name, factor in UNITS.items() if fits(factor))
+    meant = [f"in {units}"] if units else []
+    meant += ["without its factor fx"] if fits(fx) else []
+    return f"is P[0,3] {', or '.join(meant)}?" if meant else "P[0,3] is -fx * baseline [px m]"
+
+
 def _check_rectified(left: Floats, right: Floats) -> None:
     """Raise ValueError where two projection matrices are not those of a rectified pair, side by side."""
-    fx = float(left[0, 0])
-    if not (np.isfinite(fx) and fx > 0 and np.isfinite(left[1, 1]) and left[1, 1] > 0):
-        raise ValueError(
-            f"P of the left camera has fx = {fx:g}, fy = {left[1, 1]:g}, expected > 0 (not calibrated?)"
-        )
-    if not np.all(np.isfinite(left)) or not np.all(np.isfinite(right)):
-        raise ValueError("a projection matrix holds values that are not finite numbers")
-    if abs(right[0, 0] - fx) > 0.01 * fx:
-        raise ValueError(
-            f"fx is {fx:g} px left and {right[0, 0]:g} px right, expected equal (a rectified pair)"
-        )
+    for P, side in ((left, "left"), (right, "right")):
+        _check_pinhole(P, side)
+    for row, name in enumerate(("fx", "fy")):
+        values = left[row, row], right[row, row]
+        if abs(values[1] - values[0]) > FOCAL_TOLERANCE * values[0]:
+            raise ValueError(
+                f"{name} is {values[0]:g} px left and {values[1]:g} px right, "
+                "expected equal (a rectified pair)"
+            )
     if abs(right[1, 2] - left[1, 2]) > ROW_TOLERANCE:
         raise ValueError(
             f"cy is {left[1, 2]:g} px left and {right[1, 2]:g} px right, expected equal (a rectified pair)"
         )
     if abs(right[1, 3] - left[1, 3]) > abs(right[0, 3] - left[0, 3]):
         raise ValueError("the right camera stands above or below the left one, expected beside it")
-    if not np.array_equal(left[2, :3], [0, 0, 1]):
-        raise ValueError(f"P of the left camera has the third row {left[2]}, expected 0 0 1 t")
+
+
+def _check_pinhole(P: Floats, side: str) -> None:
+    """Raise ValueError where a projection matrix is not that of a rectified camera."""
+    fx, fy = P[0, 0], P[1, 1]
+    if not (np.isfinite(fx) and fx > 0 and np.isfinite(fy) and fy > 0):
+        raise ValueError(
+            f"P of the {side} camera has fx = {fx:g}, fy = {fy:g}, expected > 0 (not calibrated?)"
+        )
+    if not np.all(np.isfinite(P)):
+        raise ValueError(f"P of the {side} camera holds values that are not finite numbers")
+    for skew, place in ((P[0, 1], "P[0,1]"), (P[1, 0], "P[1,0]")):
+        if abs(skew) > SKEW_MAX:
+            raise ValueError(
+                f"P of the {side} camera has a skew of {skew:g} px ({place}), expected 0 (a rectified camera)"
+            )
+    if not np.allclose(P[2, :3], [0, 0, 1], rtol=0, atol=ROUNDING):
+        raise ValueError(
+            f"P of the {side} camera has the third row {P[2]}, expected 0 0 1 t (a rectified camera)"
+        )

@@ -32,6 +32,8 @@ PITCH_TOLERANCE = 0.05  # rad about the nominal pitch
 WIDTH_CHANGE_MAX = 6e-3  # 1/m; lanes that become wider by 6 % in 10 m
 ROW_SHIFT_MAX, ROW_TURN_MAX = 0.35, 0.7  # px
 ROADS_MIN = 0.5  # of the pairs
+DELAY_MAX = 0.015  # s; of sound pairs 0.005 are measured, at 60 Hz a frame is 0.017
+SAME_MIN = 0.5  # of the pairs whose pictures were compared
 
 
 class Gap(NamedTuple):
@@ -43,12 +45,18 @@ class Gap(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """What one pair showed: its measured road (None for none), its lanes, its row offset where known."""
+    """What one pair showed: its measured road (None for none), its lanes, its row offset where known.
+
+    `same_picture` is whether left and right are one picture, None where they were not compared; `right_delay`
+    [s] how much older the right one is, where known.
+    """
 
     stamp_ns: int
     road: RoadSurface | None = None
     lanes: tuple[Lane, ...] = ()
     vertical_disparity: VerticalDisparity | None = None
+    same_picture: bool | None = None
+    right_delay: float | None = None
 
 
 @dataclass(frozen=True)
@@ -57,7 +65,8 @@ class CalibrationStatus:
 
     `lane_width` [m]; `width_change` [1/m] is the relative change of the lanes' width per metre ahead: zero
     for parallel lines; `disparity_error` [px] is what explains it; `row_shift` and `row_turn` [px] are those
-    of the `VerticalDisparity`.
+    of the `VerticalDisparity`; `right_delay` [s] is by how much the right pictures are older than the left
+    ones, negative where they are newer.
     """
 
     lane_width: float | None = None
@@ -66,6 +75,7 @@ class CalibrationStatus:
     row_shift: float | None = None
     row_turn: float | None = None
     complaint: str = ""
+    right_delay: float | None = None
 
 
 UNCHECKED = CalibrationStatus()
@@ -104,16 +114,19 @@ class CalibrationMonitor:
             disparity_error=None if change is None else -change * scale,
             row_shift=_median(s.vertical_disparity.shift for s in sights if s.vertical_disparity is not None),
             row_turn=_median(s.vertical_disparity.turn for s in sights if s.vertical_disparity is not None),
+            right_delay=_median(s.right_delay for s in sights if s.right_delay is not None),
         )
         if sights[-1].stamp_ns - sights[0].stamp_ns < MIN_SPAN_NS:
             return verdict
-        return replace(verdict, complaint=_complaint(verdict, [sight.road for sight in sights], nominal))
+        return replace(verdict, complaint=_complaint(verdict, sights, nominal))
 
 
-def _complaint(verdict: CalibrationStatus, roads: Sequence[RoadSurface | None], nominal: RoadSurface) -> str:
+def _complaint(verdict: CalibrationStatus, sights: Sequence[Observation], nominal: RoadSurface) -> str:
     """Return one sentence on what must be wrong, empty where all may be right; the worst first."""
-    seen = [road for road in roads if road is not None]
-    if len(seen) < ROADS_MIN * len(roads):
+    if complaint := _of_pictures(sights):
+        return complaint
+    seen = [sight.road for sight in sights if sight.road is not None]
+    if len(seen) < ROADS_MIN * len(sights):
         return "Are left and right swapped, a camera covered, or the cameras rotated against each other?"
     height = _median(road.camera_height for road in seen if not is_hilly(road))
     complaints = [
@@ -123,6 +136,29 @@ def _complaint(verdict: CalibrationStatus, roads: Sequence[RoadSurface | None], 
         _of_pitch(_median(road.pitch for road in seen), nominal.pitch),
     ]
     return next(filter(None, complaints), "")
+
+
+def _of_pictures(sights: Sequence[Observation]) -> str:
+    """Return what is wrong with the pictures themselves: nothing else that they say is to be trusted then."""
+    compared = [sight.same_picture for sight in sights if sight.same_picture is not None]
+    if compared and sum(compared) > SAME_MIN * len(compared):
+        return "Left and right show the same picture: does one camera's topic serve as both?"
+    return _of_delays([sight.right_delay for sight in sights if sight.right_delay is not None])
+
+
+def _of_delays(delays: Sequence[float]) -> str:
+    """Return a sentence where three of four delays [s] agree on one that is no measuring error."""
+    if len(delays) < MIN_VALUES:
+        return ""
+    low, middle, high = np.percentile(1e3 * np.array(delays), (25, 50, 75))
+    if low <= 1e3 * DELAY_MAX and high >= -1e3 * DELAY_MAX:
+        return ""
+    return (
+        f"The right picture seems to be of another time, {abs(middle):.0f} ms "
+        f"{'older' if middle > 0 else 'newer'} than the left one (half of {len(delays)} comparisons are "
+        f"within {max(1.0, (high - low) / 2):.0f} ms): "
+        "are the cameras triggered together, with the stamps of that?"
+    )
 
 
 def _of_rows(shift: float | None, turn: float | None) -> str:

@@ -3,7 +3,13 @@
 // The picture of a frame with its lines drawn over it.
 
 const SVG = "http://www.w3.org/2000/svg";
-const ZOOMS = [1, 2, 4];
+const LANES = "lanes"; // a zoom: as near as the lanes allow
+const ZOOMS = [1, 2, 4, LANES];
+const NEAREST = 8; // times the whole picture
+const NEAR_PART = 0.15; // of a line: what is there is wide and plain, and leads past the screen
+const AROUND = 0.08; // of the screen, beside the lanes
+const ROAD = [0.35, 0.5, 0.65, 0.85]; // of the picture: in view, too, so that a missed line is seen
+const PHONE = "(max-width: 600px)";
 const POINT_RADIUS = 7; // px of the screen
 
 export function element(name, attributes = {}) {
@@ -17,7 +23,8 @@ export class Picture {
     this.scroll = scroll;
     this.canvas = canvas;
     this.svg = element("svg", { role: "img" });
-    this.zoom = 1;
+    this.zoom = matchMedia(PHONE).matches ? LANES : 1;
+    this.lanes = [];
     new ResizeObserver(() => this.#sizePoints()).observe(canvas);
   }
 
@@ -26,7 +33,7 @@ export class Picture {
     this.width = image?.naturalWidth ?? width;
     this.height = image?.naturalHeight ?? height;
     this.svg.setAttribute("viewBox", `-0.5 -0.5 ${this.width} ${this.height}`);
-    this.canvas.style.setProperty("--ratio", this.width / this.height);
+    this.scroll.style.setProperty("--ratio", this.width / this.height);
     this.canvas.replaceChildren(...(image ? [image, this.svg] : [this.svg]));
     if (image) image.alt = name;
   }
@@ -35,6 +42,8 @@ export class Picture {
   drawLanes(lanes) {
     this.svg.replaceChildren();
     this.#describe(lanes.map((lane) => lane.role));
+    this.lanes = lanes;
+    if (this.zoom === LANES) this.#zoomToLanes();
     for (const { role, points } of lanes) {
       const right = points.map(([u, v, half]) => [u + half, v]);
       const left = points.map(([u, v, half]) => [u - half, v]).reverse();
@@ -59,9 +68,35 @@ export class Picture {
   /** Zoom to the next step; the middle of the road, below the picture's middle, stays in view. */
   nextZoom() {
     this.zoom = ZOOMS[(ZOOMS.indexOf(this.zoom) + 1) % ZOOMS.length];
-    for (const zoom of ZOOMS) this.canvas.classList.toggle(`zoom-${zoom}`, zoom === this.zoom && zoom > 1);
-    this.scroll.scrollLeft = (this.scroll.scrollWidth - this.scroll.clientWidth) / 2;
-    this.scroll.scrollTop = (this.scroll.scrollHeight - this.scroll.clientHeight) * 0.7;
+    if (this.zoom === LANES) return this.#zoomToLanes();
+    return this.#zoomTo(this.zoom, 0.5, 0.65);
+  }
+
+  get zoomName() {
+    return this.zoom === LANES ? LANES : `${this.zoom}×`;
+  }
+
+  /** Show the lanes' far part as large as it fits. */
+  #zoomToLanes() {
+    const far = this.lanes.flatMap(({ points }) => points.slice(Math.floor(points.length * NEAR_PART)));
+    const us = [ROAD[0], ROAD[2], ...far.map(([u]) => u / this.width)];
+    const vs = [ROAD[1], ROAD[3], ...far.map(([, v]) => v / this.height)];
+    const box = [Math.min(...us), Math.min(...vs), Math.max(...us), Math.max(...vs)];
+    this.#zoomTo(1, 0.5, 0.5); // whose size the nearer one is a multiple of
+    const { width, height } = this.canvas.getBoundingClientRect();
+    const room = 1 - 2 * AROUND;
+    const fits = [(room * this.scroll.clientWidth) / (width * (box[2] - box[0])),
+      (room * this.scroll.clientHeight) / (height * (box[3] - box[1]))];
+    const zoom = Math.min(Math.max(1, Math.min(...fits)), NEAREST);
+    this.#zoomTo(zoom, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2);
+  }
+
+  /** Zoom by a factor, with a place of the picture (in its widths and heights) in the middle. */
+  #zoomTo(factor, across, down) {
+    this.canvas.style.setProperty("--zoom", factor);
+    const { width, height } = this.canvas.getBoundingClientRect();
+    this.scroll.scrollLeft = across * width - this.scroll.clientWidth / 2;
+    this.scroll.scrollTop = down * height - this.scroll.clientHeight / 2;
   }
 
   /** Return the pixel [u, v] of the image under a pointer, within the image. */

@@ -4,6 +4,7 @@
 
 import { get, picture as loadPicture, post, prefetch } from "/api.js";
 import { Editor, isNudge } from "/editor.js";
+import { exportLines, exportTruth, importLines } from "/files.js";
 import { Picture } from "/picture.js";
 
 const SIDES = ["left", "right"];
@@ -161,22 +162,10 @@ function saveLines(lines) {
   });
 }
 
-async function exportTruth() {
-  byId("exported").textContent = "Exporting: the road's surface of every frame is found…";
-  byId("left-out").replaceChildren();
-  const { name, text, frames, left_out: leftOut } = await post("/api/export");
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  const rest = leftOut.length ? `; left out: ${leftOut.length}` : "";
-  byId("exported").textContent = `${name}: ${frames} frames${rest}`;
-  byId("left-out").replaceChildren(...leftOut.map((reason) => {
-    const item = document.createElement("li");
-    item.textContent = reason;
-    return item;
-  }));
+/** Take in what was imported: any frame may have changed. */
+async function imported() {
+  drive = await get("/api/drive");
+  await show(frame.index);
 }
 
 // ---- buttons and keys
@@ -189,7 +178,11 @@ function setVisible(visible) {
 
 function zoom() {
   picture.nextZoom();
-  byId("zoom").textContent = `${picture.zoom}×`;
+  drawZoom();
+}
+
+function drawZoom() {
+  byId("zoom").textContent = picture.zoomName;
 }
 
 async function edit() {
@@ -209,6 +202,9 @@ const ACTIONS = {
   edit,
   correct,
   export: exportTruth,
+  exportCoco: () => exportLines("coco"),
+  exportCvat: () => exportLines("cvat"),
+  import: () => byId("file").click(),
 };
 
 const run = (name) => (name in ACTIONS ? ACTIONS[name]() : editor[name]());
@@ -245,11 +241,18 @@ function act(key, code, shift) {
   return key in KEYS ? run(KEYS[key]) : undefined;
 }
 
+byId("file").addEventListener("change", ({ target }) => {
+  const [file] = target.files;
+  if (file) inTurn(() => importLines(file).then(imported));
+  target.value = ""; // the same file may be chosen again
+});
+
 byId("number").addEventListener("change", ({ target }) => {
   inTurn(() => goTo(Math.min(Math.max(1, Math.round(target.value)), drive.frames.length) - 1));
   target.blur();
 });
 
+drawZoom();
 inTurn(async () => {
   drive = await get("/api/drive");
   document.title = `${drive.name} · lane review`;

@@ -8,7 +8,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.messages.stereo_sync import SIDES
 from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.parallel import available_cpus

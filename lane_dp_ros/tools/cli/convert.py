@@ -9,7 +9,6 @@ from pathlib import Path
 
 from lane_dp_ros.messages.bag import STORAGES, BagWriter
 from lane_dp_ros.tools.cli.arguments import add_output
-from lane_dp_ros.tools.datasets.convert import convert
 from lane_dp_ros.tools.datasets.kitti import LAYOUTS
 
 
@@ -27,6 +26,8 @@ def add_command(commands: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Find the pairs, write the bag."""
+    from lane_dp_ros.tools.datasets.convert import convert
+
     sequence = LAYOUTS[arguments.layout](arguments.folder)
     with BagWriter(arguments.output, arguments.storage, arguments.force) as writer:
         convert(sequence, writer, arguments.jpeg)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 
-from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.core.presets import PRESETS
 
 
 def add_command(commands: argparse._SubParsersAction) -> None:

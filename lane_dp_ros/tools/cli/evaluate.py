@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, limit, topic_choice
 from lane_dp_ros.tools.evaluation.thresholds import THRESHOLDS, missed_thresholds

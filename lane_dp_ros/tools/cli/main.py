@@ -9,10 +9,11 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib import metadata
 from types import FrameType
 
+from lane_dp_ros import version
 from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.missing_library import missing_library
 from lane_dp_ros.tools.cli import (
     convert,
     demo,
@@ -57,6 +58,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (CommandError, ValueError, OSError) as error:
         print(f"lane_dp: {one_line(error)}", file=sys.stderr)
         return KNOWN_ERROR
+    except ImportError as error:
+        if (error.name or "").startswith("lane_dp_ros"):
+            raise  # a fault of ours
+        print(f"lane_dp: {missing_library(error)}", file=sys.stderr)
+        return KNOWN_ERROR
     except KeyboardInterrupt:
         return INTERRUPTED
     return 0
@@ -66,6 +72,7 @@ def _parse(argv: list[str]) -> argparse.Namespace:
     """Return the arguments; what follows --ros-args is ROS's and goes to `ros_args`."""
     split = argv.index("--ros-args") if "--ros-args" in argv else len(argv)
     parser = _parser()
+    _complete(parser)
     arguments = parser.parse_args(argv[:split])
     arguments.ros_args = argv[split:]
     if arguments.ros_args and arguments.run is not play.run:
@@ -73,20 +80,22 @@ def _parse(argv: list[str]) -> argparse.Namespace:
     return arguments
 
 
+def _complete(parser: argparse.ArgumentParser) -> None:
+    """Answer a shell that asks how a command line goes on: eval "$(register-python-argcomplete lane_dp)"."""
+    try:
+        import argcomplete
+    except ModuleNotFoundError:  # then no shell can ask
+        return
+    argcomplete.autocomplete(parser)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="lane_dp", description="Stereo lane detection: tools for bags.")
-    parser.add_argument("--version", action="version", version=f"lane_dp {_version()}")
+    parser.add_argument("--version", action="version", version=f"lane_dp {version()}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         command.add_command(commands)
     return parser
-
-
-def _version() -> str:
-    try:
-        return metadata.version("lane_dp_ros")
-    except metadata.PackageNotFoundError:
-        return "(run from its source tree)"
 
 
 @contextmanager

@@ -8,18 +8,12 @@ import importlib
 from types import ModuleType
 
 from lane_dp_ros.messages.dds_profile import use_dds_profile
-from lane_dp_ros.messages.errors import CommandError
 
 
 def ros_module(name: str) -> ModuleType:
     """Import a module of lane_dp_ros.ros; the rest of the command line works without ROS.
 
-    Raises CommandError where ROS is missing.
+    Raises ImportError where ROS is missing.
     """
     use_dds_profile()
-    try:
-        return importlib.import_module(f"lane_dp_ros.ros.{name}")
-    except ModuleNotFoundError as error:
-        raise CommandError(
-            f"needs ROS 2 ({error}): source /opt/ros/jazzy/setup.bash, or pip install 'lane_dp_ros[ros]'"
-        ) from None
+    return importlib.import_module(f"lane_dp_ros.ros.{name}")

@@ -8,8 +8,7 @@ import argparse
 from pathlib import Path
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.scenes.categories import CATEGORIES
-from lane_dp_ros.scenes.suite import BAG, FRAMES, RATE, SUITES, TRUTH, drives, write_drives, write_sheet
+from lane_dp_ros.scenes.drive_options import BAG, FRAMES, RATE, SUITES, TRUTH
 from lane_dp_ros.tools.cli.arguments import add_jobs, count, positive, seed
 
 
@@ -37,6 +36,9 @@ def add_command(commands: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Render, or list the categories."""
+    from lane_dp_ros.scenes.categories import CATEGORIES
+    from lane_dp_ros.scenes.suite import drives, write_drives, write_sheet
+
     if arguments.list:
         print(*CATEGORIES, sep="\n")
         return

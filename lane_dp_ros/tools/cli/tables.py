@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from lane_dp_ros.core.config import PRESETS
+from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, topic_choice
 
 EXPLANATION = """\

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.messages.errors import CommandError, quoted
-from lane_dp_ros.messages.stereo_bag import StereoImages
 from lane_dp_ros.tools.datasets.kitti_calibration import (
     CameraCalibration,
     Image8,
@@ -23,6 +22,9 @@ from lane_dp_ros.tools.datasets.kitti_calibration import (
     sequence_calibration,
     text_lines,
 )
+
+if TYPE_CHECKING:
+    from lane_dp_ros.messages.stereo_bag import StereoImages
 
 PAIR_SPACING = 2_000_000_000  # ns between single pairs: more than the 1 s after which the node forgets
 GRAY, COLOUR = (0, 1), (2, 3)  # numbers of KITTI's left and right cameras
@@ -123,6 +125,8 @@ SINGLE_PAIRS = {
 
 def load_pairs(sequence: StereoSequence) -> Iterator[StereoImages]:
     """Yield the pictures, rectified. Raises CommandError as `load_pair` does."""
+    from lane_dp_ros.messages.stereo_bag import StereoImages
+
     files = zip(sequence.stamps_ns, sequence.calibrations, sequence.left, sequence.right, strict=True)
     for stamp_ns, calibration, left, right in files:
         yield StereoImages(stamp_ns, *load_pair(calibration, left, right))
@@ -146,6 +150,8 @@ def load_pair(calibration: Calibration, left: Path, right: Path) -> tuple[Image8
 
 
 def _load_image(path: Path) -> NDArray[np.uint8]:
+    import cv2
+
     image = cv2.imread(str(path), cv2.IMREAD_ANYCOLOR)
     if image is None:
         raise CommandError(f"{path} cannot be read as a picture")

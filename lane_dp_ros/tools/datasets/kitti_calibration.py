@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,12 +40,16 @@ class CameraCalibration:
         if self.size is None or came == self.size:
             return image
         if came == self.raw_size and self.distortion is not None:
+            import cv2
+
             return np.asarray(cv2.remap(image, *self._maps, cv2.INTER_LINEAR), dtype=np.uint8)
         wanted = " or ".join(_size(size) for size in (self.size, self.raw_size) if size)
         raise CommandError(f"{path} is {_size(came)}, its calibration is of {wanted}")
 
     @cached_property
     def _maps(self) -> tuple[Any, Any]:
+        import cv2
+
         assert self.distortion is not None
         assert self.size is not None
         K, D, R = self.distortion

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from lane_dp_ros.tools.evaluation.summary import Summary
+if TYPE_CHECKING:
+    from lane_dp_ros.tools.evaluation.summary import Summary
 
 
 class Threshold(NamedTuple):

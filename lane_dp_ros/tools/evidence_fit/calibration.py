@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""How sure a model is of drives that it never saw: one number for each class puts it right."""
+"""How sure a model is of paint in drives that it never saw: one number puts it right."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ from lane_dp_ros.tools.evidence_fit.examples import CLUTTER, Example
 from lane_dp_ros.tools.evidence_fit.fit import Floats, minimiser
 
 LIMIT = 3.0  # log-odds; few frames may ask for more
-RIDGE = 0.1  # on the two numbers: what few frames say counts little
+RIDGE = 0.1  # on the number: what few frames say counts little
 
 
 def calibration(unseen: Sequence[tuple[Example, EvidenceModel]]) -> Floats:
     """Return what to add to the start of each class (2,), by examples that their models were not fitted to.
 
     It makes the labels of these examples as probable as may be: a model is less sure of drives that it was
-    not fitted to than it could be, or surer.
+    not fitted to than it could be, or surer. Nothing is added to road edges: labels name few of them, and
+    would teach silence, by which kerbs become paint.
     """
     frames = [_Frame.of(example, model) for example, model in unseen if example.evidence]
 
@@ -35,7 +36,8 @@ def calibration(unseen: Sequence[tuple[Example, EvidenceModel]]) -> Floats:
         return ridge + sum(part for part, _ in parts), RIDGE * added + sum(slope for _, slope in parts)
 
     begin = np.zeros(len(CLASSES))
-    found = minimiser()(loss, begin, jac=True, method="L-BFGS-B", bounds=[(-LIMIT, LIMIT)] * len(CLASSES))
+    bounds = [(-LIMIT, LIMIT) if kind == PAINT else (0.0, 0.0) for kind in range(len(CLASSES))]
+    found = minimiser()(loss, begin, jac=True, method="L-BFGS-B", bounds=bounds)
     return np.asarray(found.x)
 
 

@@ -100,7 +100,7 @@ class _Group:
 class EvidenceFit:
     """Fits the model to examples with weights (N,).
 
-    Raises CommandError where scipy is not installed, or where there is nothing to learn from.
+    Raises CommandError where there is nothing to learn from.
     """
 
     def __init__(self, examples: Sequence[Example], weights: Sequence[float]) -> None:
@@ -229,11 +229,9 @@ class EvidenceFit:
 
 
 def minimiser() -> Callable[..., Any]:
-    """Return scipy's `minimize`. Raises CommandError where scipy is not installed."""
-    try:
-        from scipy.optimize import minimize
-    except ImportError:
-        raise CommandError("the fit needs scipy: pip install scipy") from None
+    """Return scipy's `minimize`. Raises ModuleNotFoundError where scipy is not installed."""
+    from scipy.optimize import minimize
+
     return minimize  # type: ignore[no-any-return]
 
 

@@ -29,7 +29,7 @@ def answered(
     match the pairs, the work that needs no pair before, and the rest is done in this one; the answers do not
     depend on `jobs`.
     """
-    pipeline = StereoPipeline(monitored=False)
+    pipeline = StereoPipeline()
     if jobs == 1:
         yield ((bag_pair, _answer(partial(pipeline.answer, *bag_pair[:2]), config)) for bag_pair in pairs)
         return

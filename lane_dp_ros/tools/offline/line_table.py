@@ -14,7 +14,6 @@ import numpy as np
 
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.stereo_bag import BagPair
 from lane_dp_ros.tools.offline.staged_file import staged_file
 
@@ -98,12 +97,10 @@ class CsvTable:
 def parquet_table(path: Path, force: bool = False) -> Iterator[ParquetTable]:
     """Open a Parquet file, which appears at `path` when the block ends well.
 
-    Raises CommandError where pyarrow is not installed, and as `staged_file`.
+    Raises ModuleNotFoundError where pyarrow is not installed, and as `staged_file`.
     """
-    try:
-        import pyarrow.parquet
-    except ModuleNotFoundError as error:
-        raise CommandError(f"--parquet needs pyarrow ({error}): pip install pyarrow") from None
+    import pyarrow.parquet
+
     schema = _schema(pyarrow)
     with staged_file(path, force) as written, pyarrow.parquet.ParquetWriter(written, schema) as writer:
         table = ParquetTable(writer, schema)

@@ -15,7 +15,6 @@ import numpy as np
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lane_colour
 from lane_dp_ros.messages.stereo_bag import BagPair
 from lane_dp_ros.tools.offline.staged_file import staged_file
@@ -28,12 +27,10 @@ EDGE_WIDTH = 0.05  # m; a road edge has no paint, but a line needs a width
 def rerun_file(path: Path, force: bool = False) -> Iterator[RerunFile]:
     """Open an .rrd file, which appears at `path` when the block ends well.
 
-    Raises CommandError where the SDK of Rerun is not installed, and as `staged_file`.
+    Raises ModuleNotFoundError where the SDK of Rerun is not installed, and as `staged_file`.
     """
-    try:
-        import rerun
-    except ModuleNotFoundError as error:
-        raise CommandError(f"--rerun needs Rerun's SDK ({error}): pip install rerun-sdk") from None
+    import rerun
+
     with staged_file(path, force) as written:
         recording = rerun.RecordingStream("lane_dp")
         recording.save(written)

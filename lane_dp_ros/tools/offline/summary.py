@@ -18,6 +18,8 @@ class Summary:
     road_edges: int = 0
     seconds: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     problems: Counter[str] = field(default_factory=Counter)
+    doubts: int = 0  # pairs after which the pictures or their calibration were thought to be wrong
+    complaint: str = ""  # the last reason
     unpaired: int = 0
     elapsed: float = 0.0
     jobs: int = 1
@@ -31,6 +33,8 @@ class Summary:
         self.road_edges += len(answer.road_edges)
         if answer.problem:
             self.problems[answer.problem] += 1
+        if answer.check.complaint:
+            self.doubts, self.complaint = self.doubts + 1, answer.check.complaint
         if answer.detection is not None:
             for stage, seconds in answer.seconds.items():
                 self.seconds[stage].append(seconds)
@@ -45,6 +49,7 @@ class Summary:
         if self.unpaired:
             lines.append(f"{self.unpaired} images without a partner")
         lines += [f"  {count} x {problem}" for problem, count in self.problems.most_common(5)]
+        lines += [f"  {self.doubts} x {self.complaint}"] if self.complaint else []
         milliseconds = {stage: 1e3 * sum(s) / len(s) for stage, s in self.seconds.items()}
         stages = ", ".join(f"{stage} {value:.1f}" for stage, value in milliseconds.items())
         lines.append(f"{sum(milliseconds.values()):.1f} ms a pair: {stages}")

@@ -92,7 +92,16 @@ def test_one_point_may_come_alone(camera):
         ({"cx": float("nan")}, "not finite numbers"),
         ({"disparity_offset": float("inf")}, "not finite numbers"),
         ({"left_translation": (0.0, float("nan"), 0.0)}, "not finite numbers"),
-        ({"baseline": 0.0}, r"the baseline is 0 m, expected > 0 \(left and right swapped\?\)"),
+        (
+            {"baseline": 0.0},
+            r"the baseline is 0 m, expected 0.01 to 4 m on a vehicle \(P\[0,3\] is equal left",
+        ),
+        ({"baseline": 540.0}, r"is 540 m, expected 0.01 to 4 m on a vehicle \(is P\[0,3\] in px mm\?\)"),
+        ({"baseline": 7.5}, r"is 7.5 m, expected 0.01 to 4 m on a vehicle \(is P\[0,3\] in px cm\?\)"),
+        ({"baseline": 54.0}, r"\(is P\[0,3\] in px mm or px cm\?\)"),
+        ({"baseline": 0.54 / 700}, r"\(is P\[0,3\] in px km, or without its factor fx\?\)"),
+        ({"baseline": 1e9}, r"is 1e\+09 m, .* \(P\[0,3\] is -fx \* baseline \[px m\]\)"),
+        ({"baseline": float("inf")}, "the baseline is inf m, expected > 0"),
         ({"baseline": -0.54}, "the baseline is -0.54 m, expected > 0"),
         ({"baseline": float("nan")}, "the baseline is nan m, expected > 0"),
     ],
@@ -100,6 +109,14 @@ def test_one_point_may_come_alone(camera):
 def test_values_of_no_camera_are_refused(changes, message):
     with pytest.raises(ValueError, match=message):
         StereoCamera(**{"fx": 700.0, "fy": 700.0, "cx": 300.0, "cy": 100.0, "baseline": 0.5} | changes)
+
+
+# D405, D435, OAK-D, ZED 2, KITTI, mirrors of a lorry; calibrations with rounded numbers
+@pytest.mark.parametrize("baseline", [0.018, 0.05, 0.075, 0.12, 0.54, 2.6])
+def test_the_baselines_that_vehicles_have_are_taken(baseline):
+    P_left = np.array([[700.0, 1e-9, 300, 0], [0, 702, 120, 0], [1e-12, 0, 1, 0]])
+    P_right = P_left - [[0.1, 0, 20, 700 * baseline], [0, 0.2, 0.3, 0], [0] * 4]
+    assert StereoCamera.from_projections(P_left, P_right).baseline == pytest.approx(baseline)
 
 
 @pytest.mark.parametrize(
@@ -117,7 +134,17 @@ def test_values_of_no_camera_are_refused(changes, message):
         (P2, with_value(P3, 1, 3, -400), "the right camera stands above or below the left one"),
         (with_value(P2, 2, 2, 0), P3, r"P of the left camera has the third row \[.*\], expected 0 0 1 t"),
         (P3, P2, r"the baseline is -0.5323 m, expected > 0 \(left and right swapped\?\)"),
-        (P2, P2, "the baseline is 0 m, expected > 0"),
+        (P2, P2, r"the baseline is 0 m, .*\(P\[0,3\] is equal left and right, expected -fx \* baseline"),
+        (
+            P2,
+            with_value(P3, 0, 1, 52.4),
+            r"P of the right camera has a skew of 52.4 px \(P\[0,1\]\), expected 0",
+        ),
+        (with_value(P2, 0, 1, -3), P3, r"P of the left camera has a skew of -3 px \(P\[0,1\]\), expected 0"),
+        (P2, with_value(P3, 1, 0, 9), r"P of the right camera has a skew of 9 px \(P\[1,0\]\), expected 0"),
+        (P2, with_value(P3, 1, 1, 640), "fy is 718.856 px left and 640 px right, expected equal"),
+        (P2, with_value(P3, 2, 0, 0.05), "P of the right camera has the third row .* expected 0 0 1 t"),
+        (P2, with_value(P3, 0, 0, np.nan), "P of the right camera has fx = nan"),
     ],
 )
 def test_matrices_of_no_stereo_camera_are_refused(P_left, P_right, message):

@@ -123,6 +123,33 @@ def test_a_wrong_calibration_is_named(wrong, complaint):
     assert watch(wrong).complaint == complaint
 
 
+def test_one_picture_on_both_sides_is_named_before_all_else():
+    compared = Observation(0, same_picture=True), Observation(0, same_picture=None)
+    said = "Left and right show the same picture: does one camera's topic serve as both?"
+    assert watch(lambda i: compared[i % 5 > 0]).complaint == said
+    assert "swapped" in watch(Observation(0, same_picture=False)).complaint
+    now_and_then = [replace(sight(), same_picture=i % 3 == 0) for i in range(50)]
+    assert watch(now_and_then.__getitem__).complaint == ""
+
+
+@pytest.mark.parametrize(("delay", "word"), [(0.1, "older"), (-0.033, "newer"), (0.017, "older")])
+def test_a_right_picture_of_another_time_is_named(delay, word):
+    """Whatever road is seen then: it is a wrong one."""
+    measured = [delay + 0.001 * (-1) ** i if i % 5 == 0 else None for i in range(41)]
+    for surface in (None, road(height=1.9)):
+        seen = Observation(0, surface)
+        verdict = watch(lambda i, seen=seen: replace(seen, right_delay=measured[i]))
+        assert verdict.right_delay == pytest.approx(delay, abs=0.002)
+        assert verdict.complaint.startswith("The right picture seems to be of another time, ")
+        assert f" ms {word} than the left one (half of 9 comparisons are within 1 ms)" in verdict.complaint
+
+
+def test_small_delays_few_and_scattered_ones_are_no_cause_for_complaint():
+    for delays in ([0.008] * 41, [0.1] * 4 + [None] * 37, [0.03 * (-1) ** i for i in range(41)]):
+        verdict = watch(lambda i, delays=delays: replace(sight(), right_delay=delays[i]))
+        assert verdict.complaint == ""
+
+
 def test_three_seconds_are_needed():
     wrong = sight(surface=road(height=2.0))
     assert watch(wrong, seconds=2.9).complaint == ""

@@ -105,3 +105,37 @@ def test_a_double_click_adds_a_point_on_the_line(open_page, served, drive_bag) -
     # What is judged stays what was detected.
     page.wait(lambda: len(page.all("#canvas polygon")) == 2 and not page.all("polyline"))
     assert page.text("edit-text") == "Corrected lines"
+
+
+@pytest.mark.parametrize(("form", "ending"), [("Coco", ".json"), ("Cvat", ".xml")])
+def test_lines_go_out_to_a_tool_and_come_back(open_page, served, drive_bag, tmp_path, form, ending) -> None:
+    page = open_page(served.url)
+    behaviour = {"behavior": "allow", "downloadPath": str(tmp_path / "downloads")}
+    page.browser.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
+    page.click(f"[data-do=export{form}]")
+    name = f"drive.{form.lower()}{ending}"
+    page.wait(lambda: page.text("exported") == f"{name}: 5 frames")
+    path = tmp_path / "downloads" / name
+    page.wait(path.exists)
+    # What the tool does: the left line's near end is moved by two pixels, in all four frames that have one.
+    path.write_text(path.read_text().replace("110", "112"))
+    page.type("e")
+    page.find("#file").send_keys(str(path))
+    page.wait(lambda: page.text("exported") == f"{name}: 5 images, lines of 4 frames changed")
+    assert lines_of(drive_bag)[0]["uv"][0] == [111.5, 135.0]
+    page.wait(lambda: page.all("circle")[0].get_attribute("cx") == "111.5")
+    assert page.text("edit-text") == "Corrected lines"
+    page.click("[data-do=undo]")
+    page.until_said("Undone: the last change, of frame 4")
+
+
+def test_a_file_that_cannot_be_imported_is_told(open_page, served, browser, tmp_path) -> None:
+    (wrong := tmp_path / "wrong.xml").write_text("<svg/>")
+    page = open_page(served.url)
+    page.find("#file").send_keys(str(wrong))
+    page.until_said("wrong.xml: the XML is <svg>, expected <annotations> of CVAT for images")
+    assert all("400 (Bad Request)" in entry["message"] for entry in browser.get_log("browser"))
+    wrong.write_text("x")  # the same name again
+    page.find("#file").send_keys(str(wrong))
+    page.until_said("wrong.xml: no whole JSON")
+    assert all("400 (Bad Request)" in entry["message"] for entry in browser.get_log("browser"))

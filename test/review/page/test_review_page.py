@@ -133,7 +133,7 @@ def test_a_phone_shows_it_all_without_scrolling_sideways(open_page, served, brow
     page.resize(browser, 360, 740)
     page.click("#edit")
     page.wait(lambda: page.find("#editor").is_displayed())
-    for _ in range(3):  # at every zoom, back to the first
+    for _ in range(4):  # at every zoom, back to the first
         assert browser.execute_script("return document.documentElement.scrollWidth") == 360
         page.click("[data-do=zoom]")
     boxes = {button.accessible_name: button.rect for button in page.all("button")}
@@ -147,11 +147,61 @@ def test_a_phone_shows_it_all_without_scrolling_sideways(open_page, served, brow
     assert page.table == ("drive", "2", "0", "1", "50.0 %")
 
 
+@pytest.mark.parametrize("size", [(1280, 657), (1920, 1000), (1024, 700)])
+def test_every_tool_is_on_the_screen_without_scrolling(open_page, served, browser, size) -> None:
+    page = open_page(served.url)
+    page.resize(browser, *size)
+    page.type("e")
+    page.wait(lambda: page.find("#editor").is_displayed())
+    assert browser.execute_script("return scrollY") == 0
+    tools = page.all(".screen button, #number, #editor .hint")
+    assert len(tools) == 29
+    for tool in tools:
+        box = tool.rect
+        assert box["y"] >= 0 and box["y"] + box["height"] <= size[1], tool.accessible_name
+        assert box["x"] >= 0 and box["x"] + box["width"] <= size[0], tool.accessible_name
+    picture, place = page.find("#canvas img").rect, page.find("#scroll").rect
+    assert picture["height"] >= 200  # not squeezed away
+    assert picture["width"] / picture["height"] == pytest.approx(2, abs=0.02)
+    assert picture["width"] <= place["width"] + 1 and picture["height"] <= place["height"] + 1
+
+
+def test_a_phone_begins_at_the_lanes(open_page, served, browser) -> None:
+    page = open_page(served.url)
+    assert page.text("zoom") == "1×"  # on a desk
+    page.resize(browser, 390, 844)
+    browser.refresh()
+    page.wait(lambda: page.all("#canvas polygon"))
+    assert page.text("zoom") == "lanes"
+    picture, place = page.find("#canvas img").rect, page.find("#scroll").rect
+    assert picture["width"] > 1.5 * place["width"]
+
+    def in_view(u: float, v: float) -> bool:
+        x, y = picture["x"] + picture["width"] * u / 400, picture["y"] + picture["height"] * v / 200
+        return (
+            place["x"] <= x <= place["x"] + place["width"] and place["y"] <= y <= place["y"] + place["height"]
+        )
+
+    # 8 m ahead and 30 m: u = 199.5 + 200 x / z, v = 60 + 200 * 1.5 / z
+    assert all(in_view(199.5 + 200 * x / z, 60 + 300 / z) for x in (-1.8, 1.7) for z in (8, 30))
+    assert not in_view(0, 0)
+    page.type(" ", " ")
+    page.until_frame(3)
+    assert page.text("zoom") == "lanes"
+    for shown in ("1×", "2×", "4×", "lanes"):
+        page.click("[data-do=zoom]")
+        page.wait(lambda shown=shown: page.text("zoom") == shown)
+    page.click("[data-do=zoom]")
+    page.click("[data-do=next]")
+    page.until_frame(4)
+    assert page.text("zoom") == "1×"  # what a person chose stays
+
+
 def test_everything_has_a_name_and_keys_work_from_a_button(open_page, served) -> None:
     page = open_page(served.url)
     page.type("e")
     page.wait(lambda: page.find("#editor").is_displayed())
-    for element in page.all("button, input, img, progress, svg, fieldset, section, nav"):
+    for element in page.all("button, input:not([hidden]), img, progress, svg, fieldset, section, nav"):
         assert element.accessible_name, element.get_attribute("outerHTML")
     page.type("e")
     page.find("[data-side=left] [data-verdict=missed]").send_keys(SPACE)  # presses it, and no more

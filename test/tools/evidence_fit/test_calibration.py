@@ -55,3 +55,9 @@ def test_a_border_without_paint_says_nothing_of_paint():
 def test_frames_without_candidates_add_nothing():
     empty = Example("a", "b", "", (), Neighbours.of([]), np.empty((0, 3), bool), ())
     np.testing.assert_array_equal(calibration([(empty, model())]), [0, 0])
+
+
+def test_road_edges_stay_as_probable_as_they_were_fitted():
+    border = frame((False, False, True))
+    likely = replace(model(), start={"paint": -50.0, "edge": 2.0})
+    assert calibration([(border, likely)] * 50)[1] == 0

@@ -3,7 +3,6 @@
 """The fit of the evidence model, on frames whose truth is drawn by known rules."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -164,12 +163,6 @@ def test_without_any_candidate_there_is_nothing_to_learn_from():
     nothing = Example("f", "d", "", (), Neighbours.of([]), np.ones((0, 3), bool), ())
     with pytest.raises(CommandError, match="no candidates in any frame: nothing to learn from"):
         EvidenceFit([nothing], [1.0])
-
-
-def test_without_scipy_the_command_says_so(fit, monkeypatch):
-    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
-    with pytest.raises(CommandError, match="the fit needs scipy: pip install scipy"):
-        fit.fit()
 
 
 def test_the_model_has_all_terms(model):
