@@ -7,8 +7,8 @@ from __future__ import annotations
 import argparse
 
 from lane_dp_ros.messages.bag import BagReader
-from lane_dp_ros.messages.stereo_bag import find_stereo_topics
 from lane_dp_ros.messages.stereo_sync import SIDES
+from lane_dp_ros.messages.stereo_topics import find_stereo_topics
 from lane_dp_ros.tools.cli.arguments import add_bag, add_topics, topic_choice
 
 
