@@ -60,7 +60,7 @@ setup(
         (f"share/{NAME}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     python_requires=">=3.10",
-    install_requires=["numpy>=1.26", "rosbags>=0.11", "tqdm", *OPENCV_AND_YAML],
+    install_requires=["numpy>=1.26", "rosbags>=0.11.7", "tqdm", *OPENCV_AND_YAML],
     extras_require={
         # Jazzy's rclpy, Fast DDS and messages; PyPI's bare ros-* names are of another distribution.
         "ros": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],

@@ -9,10 +9,11 @@ import os
 import shutil
 from pathlib import Path
 
+from lane_dp_ros.messages.bag_files import BESIDE_STORAGE, STORAGE_ENDINGS
 from lane_dp_ros.messages.errors import CommandError
 
 _MAGIC = {".mcap": b"\x89MCAP", ".db3": b"SQLite format 3\0"}
-_BAG_ENDINGS = (".mcap", ".db3", ".db3-wal", ".db3-shm", ".mcap.zstd", ".db3.zstd")
+_BAG_ENDINGS = (*STORAGE_ENDINGS, *BESIDE_STORAGE)
 
 
 def is_bag(path: Path) -> bool:

@@ -4,11 +4,21 @@
 
 from __future__ import annotations
 
+LONGEST_LINE = 3000  # characters
+LONGEST_QUOTE = 40  # characters of what came
+
 
 class CommandError(Exception):
     """A known error: one line that says what came and what would have been right."""
 
 
 def one_line(error: BaseException) -> str:
-    """Return an exception's message on one line, its type where it has none."""
-    return " ".join(str(error).split()) or type(error).__name__
+    """Return an exception's message on one line of bounded length, its type where it has none."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= LONGEST_LINE else f"{text[:LONGEST_LINE]} ..."
+
+
+def quoted(value: object) -> str:
+    """Return what came as Python writes it, no more of it than its start."""
+    text = repr(value)
+    return text if len(text) <= LONGEST_QUOTE else f"{text[:LONGEST_QUOTE]}..."

@@ -17,12 +17,21 @@ from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.camera import camera_info_to_ros
 from lane_dp_ros.messages.camera_infos import CameraInfos
-from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.image import compressed_image_to_ros, image_to_ros
 from lane_dp_ros.messages.stamp import NS_PER_S, stamp_from_ros, stamp_to_ros
 from lane_dp_ros.messages.stereo_sync import RIGHT_SILENT_AFTER_NS, SIDES, Side, StereoPair, StereoSync
+from lane_dp_ros.messages.stereo_topics import StereoTopics, find_stereo_topics
 
-IMAGES = {"image_rect": "sensor_msgs/msg/Image", "image_rect/compressed": "sensor_msgs/msg/CompressedImage"}
+__all__ = [
+    "BagPair",
+    "StereoBagWriter",
+    "StereoImages",
+    "StereoTopics",
+    "find_stereo_topics",
+    "read_stereo_pairs",
+    "sync_of_bag",
+]
+
 FRAME_ID = "left_camera_optical_frame"  # of both sides, as in image_pipeline: P_right refers to it, too
 CAPACITY = 50  # images that wait for a partner: one side may be recorded a few seconds after the other
 
@@ -33,45 +42,6 @@ class BagPair(NamedTuple):
     pair: StereoPair
     infos: tuple[Any, Any]
     time_ns: int
-
-
-@dataclass(frozen=True)
-class StereoTopics:
-    """The topics of a stereo camera in a bag, by side; `namespace` is what stands before left/..."""
-
-    namespace: str
-    images: dict[Side, str]
-    infos: dict[Side, str]
-
-
-def find_stereo_topics(reader: BagReader) -> StereoTopics:
-    """Return the stereo topics, in whatever namespace; raw images where there are both raw and compressed.
-
-    Raises CommandError, listing the topics that are there, when there are none or those of several cameras.
-    """
-    for name, type_name in IMAGES.items():
-        ending = f"/left/{name}"
-        found = [t for t, kind in reader.topics.items() if t.endswith(ending) and kind == type_name]
-        if len(found) > 1:
-            cameras = ", ".join(sorted(found))
-            raise CommandError(f"{reader.path} has several stereo cameras: {cameras}, expected one")
-        if found:
-            return _topics_in(reader, found[0].removesuffix(ending), name)
-    raise _missing(reader, "left/image_rect or left/image_rect/compressed")
-
-
-def _topics_in(reader: BagReader, namespace: str, image: str) -> StereoTopics:
-    images: dict[Side, str] = {side: f"{namespace}/{side}/{image}" for side in SIDES}
-    infos: dict[Side, str] = {side: f"{namespace}/{side}/camera_info" for side in SIDES}
-    for topic in (*images.values(), *infos.values()):
-        if not reader.message_count([topic]):
-            raise _missing(reader, topic)
-    return StereoTopics(namespace, images, infos)
-
-
-def _missing(reader: BagReader, wanted: str) -> CommandError:
-    there = ", ".join(f"{t} ({reader.message_count([t])})" for t in sorted(reader.topics)) or "no topics"
-    return CommandError(f"{reader.path} has no messages on {wanted}; it has {there}")
 
 
 def read_stereo_pairs(reader: BagReader, topics: StereoTopics, sync: StereoSync) -> Iterator[BagPair]:

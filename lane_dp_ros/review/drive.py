@@ -18,31 +18,10 @@ from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.image import Image8, compressed_image_from_ros, image_from_ros
 from lane_dp_ros.messages.stamp import stamp_from_ros
+from lane_dp_ros.messages.stereo_sync import Side
+from lane_dp_ros.messages.stereo_topics import StereoTopics
 
 PARTNER_WINDOW = 2_000_000_000  # ns of recording around a left image in which its right one is looked for
-
-
-@dataclass(frozen=True)
-class Topics:
-    """Where the left images are, and their namespace; what else is in it may be missing."""
-
-    namespace: str
-    image: str
-
-    @property
-    def left(self) -> str:
-        """The left images."""
-        return f"{self.namespace}/left/{self.image}"
-
-    @property
-    def right(self) -> str:
-        """The right images, of the same kind."""
-        return f"{self.namespace}/right/{self.image}"
-
-    @property
-    def infos(self) -> dict[str, str]:
-        """The sides by the topic of their CameraInfo."""
-        return {f"{self.namespace}/{side}/camera_info": side for side in ("left", "right")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +31,7 @@ class Frame:
     index: int
     stamp_ns: int
     time_ns: int
-    infos: dict[str, Any]
+    infos: dict[Side, Any]
     lanes: tuple[Lane, ...]
 
     @property
@@ -80,7 +59,7 @@ class Drive:
     """The frames of a bag that have lanes, by stamp; `left_out` are left images that have none."""
 
     bag: Path
-    topics: Topics
+    topics: StereoTopics
     frames: tuple[Frame, ...]
     left_out: int
 
@@ -102,7 +81,7 @@ class Drive:
     def left_message(self, frame: Frame) -> Any:
         """Return the message of a frame's left image."""
         with BagReader(self.bag) as reader:  # each time anew: SQLite serves one thread only
-            found = reader.messages_between(self.topics.left, frame.time_ns, frame.time_ns + 1)
+            found = reader.messages_between(self.topics.images["left"], frame.time_ns, frame.time_ns + 1)
             message = next(
                 (each for each in found if stamp_from_ros(each.header.stamp) == frame.stamp_ns), None
             )
@@ -114,7 +93,7 @@ class Drive:
         """Return the message of the right image that goes with a frame, None where there is none."""
         start, end = frame.time_ns - PARTNER_WINDOW, frame.time_ns + PARTNER_WINDOW
         with BagReader(self.bag) as reader:
-            found = reader.messages_between(self.topics.right, start, end)
+            found = reader.messages_between(self.topics.images["right"], start, end)
             near = [
                 (abs(stamp_from_ros(message.header.stamp) - frame.stamp_ns), message) for message in found
             ]

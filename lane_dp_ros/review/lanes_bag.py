@@ -14,18 +14,19 @@ from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
-from lane_dp_ros.review.read_drive import find_lanes, find_topics
+from lane_dp_ros.messages.topic_choice import TopicChoice
+from lane_dp_ros.review.read_drive import find_lanes, find_left_topics
 from lane_dp_ros.tools.offline.answered import answered
 from lane_dp_ros.tools.progress import progress
 
 
-def check_images(bag: Path) -> None:
+def check_images(bag: Path, topics: TopicChoice | None = None) -> None:
     """Raise CommandError for a bag without left images, saying what would be right."""
-    with BagReader(bag) as reader:
+    with BagReader(bag, topics) as reader:
         if not reader.message_count():
             raise CommandError(f"{bag} is an empty bag: left images were expected")
         try:
-            find_topics(reader)
+            find_left_topics(reader)
         except CommandError:
             if find_lanes(reader) is None:
                 raise
@@ -33,9 +34,11 @@ def check_images(bag: Path) -> None:
             raise CommandError(f"{bag} has lanes but no left images and their camera_info: {hint}") from None
 
 
-def lanes_bag(bag: Path, node: NodeConfig, detector: DetectorConfig, jobs: int) -> Path:
+def lanes_bag(
+    bag: Path, node: NodeConfig, detector: DetectorConfig, jobs: int, topics: TopicChoice | None = None
+) -> Path:
     """Return the bag that has the lanes: this one, or the one beside it, written now if need be."""
-    with BagReader(bag) as reader:
+    with BagReader(bag, topics) as reader:
         if find_lanes(reader) is not None:
             return bag
         path = beside(bag, "lanes")

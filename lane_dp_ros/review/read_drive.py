@@ -15,26 +15,26 @@ from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.stamp import stamp_from_ros
-from lane_dp_ros.messages.stereo_bag import IMAGES
-from lane_dp_ros.review.drive import Drive, Frame, Topics
+from lane_dp_ros.messages.stereo_sync import Side
+from lane_dp_ros.messages.stereo_topics import StereoTopics, find_stereo_topics, no_messages
+from lane_dp_ros.messages.topic_choice import TopicChoice
+from lane_dp_ros.review.drive import Drive, Frame
 from lane_dp_ros.tools.progress import progress
 
 MARKERS = "visualization_msgs/msg/MarkerArray"
 
 
-def find_topics(reader: BagReader) -> Topics:
-    """Return where the left images are; raw ones where there are both raw and compressed.
+def find_left_topics(reader: BagReader) -> StereoTopics:
+    """Return where the left images are; the right ones may have no messages.
 
     Raises CommandError, listing what is there, when there are no left images or those of several cameras.
     """
-    for image, kind in IMAGES.items():
-        topic = _only(reader, f"/left/{image}", kind)
-        if topic and reader.message_count([topic]):
-            topics = Topics(topic.removesuffix(f"/left/{image}"), image)
-            if not reader.message_count([info := f"{topics.namespace}/left/camera_info"]):
-                raise _missing(reader, info)
-            return topics
-    raise _missing(reader, "left/image_rect or left/image_rect/compressed")
+    try:
+        return find_stereo_topics(reader)
+    except CommandError:
+        if reader.choice.right:
+            raise
+        return find_stereo_topics(reader, ("left",))
 
 
 def find_lanes(reader: BagReader) -> str | None:
@@ -43,18 +43,18 @@ def find_lanes(reader: BagReader) -> str | None:
     return topic if topic and reader.message_count([topic]) else None
 
 
-def read_drive(bag: Path, lanes_bag: Path) -> Drive:
+def read_drive(bag: Path, lanes_bag: Path, topics: TopicChoice | None = None) -> Drive:
     """Return the frames of `bag` with the lanes of `lanes_bag`, joined by their stamps.
 
-    Raises CommandError when no left image has lanes.
+    `topics` are those of the stereo camera in `bag`. Raises CommandError when no left image has lanes.
     """
     with BagReader(lanes_bag) as reader:
         if (topic := find_lanes(reader)) is None:
-            raise _missing(reader, "lanes (visualization_msgs/msg/MarkerArray)")
+            raise no_messages(reader, "lanes (visualization_msgs/msg/MarkerArray)")
         lanes = dict(_read_lanes(reader, topic))
-    with BagReader(bag) as reader:
-        topics = find_topics(reader)
-        images = {stamp: (time_ns, infos) for stamp, time_ns, infos in _read_images(reader, topics)}
+    with BagReader(bag, topics) as reader:
+        found = find_left_topics(reader)
+        images = {stamp: (time_ns, infos) for stamp, time_ns, infos in _read_images(reader, found)}
     if not (common := sorted(images.keys() & lanes.keys())):
         raise CommandError(
             f"the lanes of {lanes_bag} are of {_span(lanes)}, the left images of {bag} of {_span(images)}: "
@@ -62,7 +62,7 @@ def read_drive(bag: Path, lanes_bag: Path) -> Drive:
         )
     frames = tuple(Frame(i, stamp, *images[stamp], lanes[stamp]) for i, stamp in enumerate(common))
     _ = [frame.camera for frame in frames]  # what is wrong with a calibration is said before the first page
-    return Drive(bag, topics, frames, len(images) - len(frames))
+    return Drive(bag, found, frames, len(images) - len(frames))
 
 
 def _read_lanes(reader: BagReader, topic: str) -> Iterator[tuple[int, tuple[Lane, ...]]]:
@@ -75,12 +75,12 @@ def _read_lanes(reader: BagReader, topic: str) -> Iterator[tuple[int, tuple[Lane
             yield stamp, lanes_from_ros(array)
 
 
-def _read_images(reader: BagReader, topics: Topics) -> Iterator[tuple[int, int, dict[str, Any]]]:
+def _read_images(reader: BagReader, topics: StereoTopics) -> Iterator[tuple[int, int, dict[Side, Any]]]:
     """Yield stamp, time and camera infos (the last before, or else the first) of every left image."""
-    sides = topics.infos
+    sides = {topic: side for side, topic in topics.infos.items()}
     there = [topic for topic in sides if reader.message_count([topic])]
     infos = {sides[topic]: next(reader.messages([topic]))[2] for topic in there}
-    wanted = [topics.left, *sides]
+    wanted = [topics.images["left"], *sides]
     for topic, time_ns, message in progress(reader.messages(wanted), reader.message_count(wanted), "msg"):
         if topic in sides:
             infos = {**infos, sides[topic]: message}
@@ -93,11 +93,6 @@ def _only(reader: BagReader, ending: str, kind: str) -> str | None:
     if len(found) > 1:
         raise CommandError(f"{reader.path} has several topics {ending}: {', '.join(found)}, expected one")
     return found[0] if found else None
-
-
-def _missing(reader: BagReader, wanted: str) -> CommandError:
-    there = ", ".join(f"{t} ({reader.message_count([t])})" for t in sorted(reader.topics)) or "no topics"
-    return CommandError(f"{reader.path} has no messages on {wanted}; it has {there}")
 
 
 def _span(by_stamp: dict[int, Any]) -> str:

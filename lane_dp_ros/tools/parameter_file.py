@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from lane_dp_ros.core.parameter import Parameter, Value
-from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, quoted
+from lane_dp_ros.tools.parameter_yaml import load_yaml
 
 WIDTH = 110
+NODE = "lane_detector"  # whose parameters they are
 
 Parameters = Mapping[str, Parameter]
 
@@ -52,25 +54,44 @@ def _yaml(value: Value) -> str:
 
 
 def read_parameter_file(path: Path) -> dict[str, Any]:
-    """Return the values of a ROS parameter file by dotted name, whatever node it is headed with.
+    """Return the values that a ROS parameter file holds for the node, by dotted name.
 
-    Raises CommandError when the file cannot be read or is laid out otherwise.
+    They are those of `/**` and other wildcards, then those of lane_detector in whatever namespace; in a file
+    of one node alone, those of that node. Raises CommandError when the file cannot be read or is laid out
+    otherwise, or for a number that ROS does not hold.
     """
-    document = _loaded(path)
-    nodes = list(document.values()) if isinstance(document, dict) else []
-    values = nodes[0].get("ros__parameters") if len(nodes) == 1 and isinstance(nodes[0], dict) else None
-    if not isinstance(values, dict):
+    document = load_yaml(path)
+    nodes = list(_nodes(document, "")) if isinstance(document, dict) else []
+    ours = [values for name, values in nodes if _is_wildcard(name)]
+    ours += [values for name, values in nodes if name.rpartition("/")[2] == NODE]
+    if not ours and len(nodes) == 1:
+        ours = [nodes[0][1]]
+    if not ours and nodes:
+        names = ", ".join(name for name, _ in nodes)
+        raise CommandError(f"{path} is for {names[:200]}, expected parameters for {NODE} or '/**:'")
+    if not ours:
         raise CommandError(f"{path} is no ROS parameter file: expected '/**:' with 'ros__parameters:' in it")
-    return dict(_flat(values, ""))
+    values = {name: value for each in ours for name, value in _flat(each, "")}
+    for name, value in values.items():
+        if isinstance(value, int) and not -(2**63) <= value < 2**63:
+            raise CommandError(
+                f"{path}: {name[:100]}: {quoted(value)} has more than the 64 bits of a ROS integer"
+            )
+    return values
 
 
-def _loaded(path: Path) -> Any:
-    import yaml  # only this needs it
+def _nodes(tree: Mapping[Any, Any], prefix: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the nodes of a file with their parameters; a namespace may be a level of its own."""
+    for name, below in tree.items():
+        if name == "ros__parameters":
+            if isinstance(below, dict):
+                yield prefix, below
+        elif isinstance(below, dict):
+            yield from _nodes(below, f"{prefix}/{str(name).strip('/')}")
 
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise CommandError(f"{path} cannot be read: {one_line(error)}") from None
+
+def _is_wildcard(name: str) -> bool:
+    return name.rpartition("/")[2] in ("*", "**")
 
 
 def _flat(tree: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:

@@ -86,14 +86,6 @@ def test_a_cut_off_bag_is_one_line(tmp_path: Path, storage: str, keep: float) ->
         assert str(path) in str(caught.value)
 
 
-def test_messages_that_are_missing_are_noticed(tmp_path: Path) -> None:
-    bag = write_bag(tmp_path / "x", "sqlite3", count=3)
-    metadata = bag / "metadata.yaml"
-    metadata.write_text(metadata.read_text().replace("message_count: 3", "message_count: 7"))
-    with pytest.raises(CommandError, match="3 of 7 messages"), BagReader(bag) as reader:
-        list(reader.raw_messages())
-
-
 def test_a_message_that_cannot_be_decoded(tmp_path: Path) -> None:
     with BagReader(write_bag(tmp_path / "x", count=1)) as reader:
         raw = next(reader.raw_messages())
@@ -109,8 +101,8 @@ def test_paths_that_are_no_bag(tmp_path: Path) -> None:
     (tmp_path / "odd").mkdir()
     (tmp_path / "odd/metadata.yaml").write_text("rosbag2_bagfile_information: 3")
     (tmp_path / "folder").mkdir()
-    cases = {"none": "no such bag", "notes.txt": "no rosbag2", "fake.mcap": "cannot be read"}
-    cases |= {"odd": "cannot be read", "folder": "metadata.yaml was expected"}
+    cases = {"none": "no such bag", "notes.txt": "no rosbag2", "fake.mcap": "no rosbag2"}
+    cases |= {"odd": "storage file .* was expected", "folder": r"metadata.yaml or a storage file \(.mcap"}
     for name, message in cases.items():
         with pytest.raises(CommandError, match=message):
             BagReader(tmp_path / name)

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from lane_dp_ros.messages.bag import STORAGES, BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_to_ros
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.review.drive import Drive
 from lane_dp_ros.review.read_drive import read_drive
 from lane_dp_ros.tools.cli import main
@@ -181,3 +183,22 @@ def test_two_processes_for_one_bag(refused, drive_bag, start_review, tmp_path) -
         assert "is being written by process" in refused(name, "--port", "0")
     review.end()
     assert not list(tmp_path.glob("*.lock"))
+
+
+def test_the_left_images_may_be_of_any_camera(drive_bag, tmp_path):
+    with BagReader(drive_bag) as reader, BagWriter(tmp_path / "other") as writer:
+        for topic, time_ns, message in reader.messages():
+            for car in ("a", "b"):
+                name = topic if topic.endswith("lanes") else f"/{car}{topic}"
+                if car == "a" or name != topic:
+                    writer.write(name, time_ns, message)
+    with pytest.raises(CommandError, match="several stereo cameras"):
+        read_drive(tmp_path / "other", tmp_path / "other")
+    drive = read_drive(tmp_path / "other", tmp_path / "other", TopicChoice(camera="/b"))
+    assert drive.topics.images["left"].startswith("/b/left/image_rect")
+    assert drive.image(drive.frames[0]).shape == read_drive(drive_bag, drive_bag).image(drive.frames[0]).shape
+
+
+def test_a_right_camera_that_is_named_must_be_there(drive_bag):
+    with pytest.raises(CommandError, match="no messages on /no/such for --right TOPIC"):
+        read_drive(drive_bag, drive_bag, TopicChoice(left="/left/image_rect", right="/no/such"))

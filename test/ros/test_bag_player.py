@@ -16,13 +16,19 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.serialization import deserialize_message
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import Writer
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 
 from lane_dp_ros.messages.bag import BagReader, BagWriter, bag_message
+from lane_dp_ros.messages.bag_message import typestore
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.ros.bag_player import play
+from lane_dp_ros.messages.topic_choice import TopicChoice
+from lane_dp_ros.ros.bag_player import BagPlayer, play, ros_node
+from lane_dp_ros.ros.recorded_qos import offered_qos
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = [sys.executable, "-m", "lane_dp_ros.tools.cli", "play"]
@@ -201,3 +207,110 @@ def test_it_takes_the_users_dds_profile_or_else_the_packages(given: str) -> None
         assert used == Path(given)
     else:
         assert used.read_text() == (ROOT / "config/fastdds_big_images.xml").read_text()
+
+
+def write_with_offers(path: Path, *offers: Qos, topic: str = "/left/camera_info") -> Path:
+    with Writer(path, version=9) as writer:
+        name = "sensor_msgs/msg/CameraInfo"
+        connection = writer.add_connection(
+            topic, name, typestore=typestore(), offered_qos_profiles=list(offers)
+        )
+        for width in range(5):
+            data = typestore().serialize_cdr(bag_message(name, width=width), name)
+            writer.write(connection, 10**9 + width * 10**8, bytes(data))
+    return path
+
+
+NONE = QosTime(0, 0)
+
+
+def offer(reliability: str, durability: str, lifespan: QosTime = NONE) -> Qos:
+    return Qos(
+        QosHistory.KEEP_LAST,
+        1,
+        QosReliability[reliability],
+        QosDurability[durability],
+        QosTime(2**31 - 1, 4294967295),
+        lifespan,
+        QosLiveliness.AUTOMATIC,
+        QosTime(0, 0),
+        False,
+    )
+
+
+BEST_EFFORT, LATCHED = offer("BEST_EFFORT", "VOLATILE"), offer("RELIABLE", "TRANSIENT_LOCAL")
+
+
+@pytest.mark.parametrize(
+    ("offers", "reliability", "durability"),
+    [
+        ([], "RELIABLE", "VOLATILE"),
+        ([BEST_EFFORT], "BEST_EFFORT", "VOLATILE"),
+        ([LATCHED], "RELIABLE", "TRANSIENT_LOCAL"),
+        ([LATCHED, BEST_EFFORT], "RELIABLE", "VOLATILE"),
+        ([offer("UNKNOWN", "UNKNOWN")], "RELIABLE", "VOLATILE"),
+    ],
+)
+def test_each_topic_is_offered_as_it_was_recorded(tmp_path, listen, offers, reliability, durability) -> None:
+    listener = listen({})
+    with (
+        BagReader(write_with_offers(tmp_path / "bag", *offers)) as reader,
+        ros_node("bag_player") as node,
+    ):
+        BagPlayer(node, reader)
+        end = time.monotonic() + 10
+        while not (found := listener.node.get_publishers_info_by_topic("/left/camera_info")):
+            assert time.monotonic() < end
+            time.sleep(0.05)
+    assert [(info.qos_profile.reliability.name, info.qos_profile.durability.name) for info in found] == [
+        (reliability, durability)
+    ]
+
+
+def test_recorded_times_are_offered_unless_they_mean_none() -> None:
+    qos = offered_qos([offer("RELIABLE", "VOLATILE", QosTime(2, 500_000_000))])
+    assert (qos.lifespan.nanoseconds, qos.deadline.nanoseconds) == (2_500_000_000, 0)
+
+
+def test_a_latched_topic_reaches_who_comes_late(tmp_path, listen) -> None:
+    bag = write_with_offers(tmp_path / "bag", LATCHED)
+    with BagReader(bag) as reader, ros_node("bag_player") as node:
+        BagPlayer(node, reader).play(rate=100.0)
+        late = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        listener = listen({"left/camera_info": CameraInfo}, late)
+        listener.wait_for("left/camera_info", 1)
+
+
+@pytest.mark.parametrize("own_clock", [False, True])
+def test_the_clock_runs_with_the_bag(tmp_path, listen, own_clock) -> None:
+    bag = write_with_offers(tmp_path / "bag", topic="/clock" if own_clock else "/left/camera_info")
+    listener = listen({"/clock": Clock})
+    with BagReader(bag) as reader:
+        if own_clock:  # its topic of that name is left out
+            with pytest.raises(CommandError, match="nothing to play"):
+                play(reader, 1.0, False, [], clock=True)
+            return
+        play(reader, rate=0.5, loop=False, ros_args=[], clock=True)
+    read = [(arrived, deserialize_message(data, Clock).clock) for arrived, data in listener.arrived["/clock"]]
+    times = [(arrived, clock.sec + clock.nanosec / 1e9) for arrived, clock in read]
+    assert len(times) == pytest.approx(0.8 * 40, abs=8)  # 0.4 s at half the speed, 40 Hz
+    assert times[0][1] == pytest.approx(1.0, abs=0.02)
+    assert times[-1][1] == pytest.approx(1.4, abs=0.04)
+    passed = (times[-1][1] - times[0][1]) / (times[-1][0] - times[0][0])
+    assert passed == pytest.approx(0.5, abs=0.1)
+
+
+def test_named_topics_are_played_as_those_of_the_node(
+    tmp_path, listen, write_stereo_bag, small_pairs
+) -> None:
+    with BagReader(write_stereo_bag(small_pairs)) as reader, BagWriter(tmp_path / "two") as writer:
+        for topic, time_ns, message in reader.messages():
+            writer.write(f"/a{topic}", time_ns, message)
+            writer.write(f"/b{topic}", time_ns, message)
+            writer.write(topic, time_ns, message)
+    listener = listen({**TOPICS, "b/left/image_rect": Image})
+    with BagReader(tmp_path / "two", TopicChoice(camera="/a")) as reader:
+        assert play(reader, 1.0, False, []) == 40
+    for topic in ("left/image_rect", "left/camera_info", "b/left/image_rect"):
+        listener.wait_for(topic, 5, timeout=2.0)
+        assert len(listener.arrived[topic]) == 5  # the topic of that name in the bag is left out

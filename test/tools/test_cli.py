@@ -72,10 +72,15 @@ def test_an_existing_output_needs_force(tmp_path, capsys) -> None:
 
 @pytest.mark.parametrize("command", ["play", "run"])
 def test_inputs_that_are_no_bag(tmp_path, capsys, command) -> None:
+    (tmp_path / "folder").mkdir()
     (tmp_path / "notes.txt").write_text("hello")
     (tmp_path / "cut.mcap").write_bytes(b"\x89MCAP0\r\n\x01")
-    cases = {"none.mcap": "no such bag", "notes.txt": "is no rosbag2", ".": "metadata.yaml was expected"}
-    for name, message in {**cases, "cut.mcap": "cut off?"}.items():
+    cases = {
+        "none.mcap": "no such bag",
+        "notes.txt": "is no rosbag2",
+        "folder": "a storage file (.mcap, .db3) was expected",
+    }
+    for name, message in {**cases, "cut.mcap": "cut off"}.items():
         output = ["-o", str(tmp_path / "out")] if command == "run" else []
         assert main([command, str(tmp_path / name), *output]) == 1
         assert message in only_line(capsys)

@@ -215,12 +215,26 @@ def test_what_a_running_node_has_can_be_kept_in_a_file(tmp_path: Path) -> None:
         ("a: [", "cannot be read"),
         ("- 1", "is no ROS parameter file"),
         ("/**: {parameters: {}}", "is no ROS parameter file"),
-        ("a: {ros__parameters: {}}\nb: {ros__parameters: {}}", "is no ROS parameter file"),
+        (
+            "a: {ros__parameters: {}}\nb: {ros__parameters: {}}",
+            "is for /a, /b, expected parameters for lane_d",
+        ),
         ("/**: {ros__parameters: {no_such: 1}}", "no_such: no such parameter"),
         ("/**: {ros__parameters: {lane_graph: {no_such: 1}}}", "lane_graph.no_such: no such parameter"),
         ("/**: {ros__parameters: {tracking: {bridge_time: -1.0}}}", "tracking.coast_time: got -1.0"),
         ("/**: {ros__parameters: {sync_tolerance: 9.0}}", "sync_tolerance: got 9.0, expected 0 to 0.5"),
         ("/**: {ros__parameters: {disparity: {P1: many}}}", "disparity.P1: got 'many'"),
+        (
+            "/**: {ros__parameters: {sync_tolerance: " + "9" * 400 + "}}",
+            r"sync_tolerance: 9{40}\.\.\. has more",
+        ),
+        ("/**: {ros__parameters: {sync_tolerance: " + "9" * 5000 + "}}", "cannot be read: Exceeds the limit"),
+        ("/**: {ros__parameters: {sync_tolerance: .inf}}", "sync_tolerance: got inf"),
+        ("/**: {ros__parameters: {seed: !!int ''}}", "cannot be read"),
+        ("/**: {ros__parameters: {seed: &a {b: *a}}}", "ROS takes no aliases"),
+        ("a: &a [1]\n/**: {ros__parameters: {seed: *a}}", "ROS takes no aliases"),
+        ("/**: {ros__parameters: {seed: " + "[" * 3000 + "}}", "nested deeper than 50 levels"),
+        ("/**: {ros__parameters: {seed: 1}}" + " " * 1_000_000, "more than 1000000 bytes"),
     ],
 )
 def test_a_bad_file_is_one_line(tmp_path: Path, text: str, message: str) -> None:
@@ -235,3 +249,65 @@ def test_a_bad_file_is_one_line(tmp_path: Path, text: str, message: str) -> None
 def test_a_file_that_is_missing(tmp_path: Path) -> None:
     with pytest.raises(CommandError, match="cannot be read"):
         load_config("default", tmp_path / "none.yaml")
+
+
+HEIGHT = "ros__parameters: {road_profile: {camera_height: 1.5}}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"/**: {{{HEIGHT}}}",
+        f"lane_detector: {{{HEIGHT}}}",
+        f"/lane_detector: {{{HEIGHT}}}",
+        f"/stereo/lane_detector: {{{HEIGHT}}}",
+        f"stereo: {{lane_detector: {{{HEIGHT}}}}}",
+        f"/**: {{lane_detector: {{{HEIGHT}}}}}",
+        f"/*: {{{HEIGHT}}}",
+        f"my_lanes: {{{HEIGHT}}}",
+        f"other: {{ros__parameters: {{gain: 3}}}}\nlane_detector: {{{HEIGHT}}}",
+        f"lane_detector: {{{HEIGHT}}}\n/**: {{ros__parameters: {{road_profile.camera_height: 1.0}}}}",
+        "lane_detector: {ros__parameters: {road_profile.camera_height: 1.5}}",
+        f"\ufefflane_detector: {{{HEIGHT}}}",
+    ],
+)
+def test_a_file_for_several_nodes_is_read_for_ours(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "vehicle.yaml"
+    path.write_text(text, encoding="utf-8")
+    assert read_parameter_file(path)["road_profile.camera_height"] == 1.5
+    assert load_config("default", path)[1].road_profile.camera_height == 1.5
+
+
+SCALARS = (
+    "2e-2",
+    "1e3",
+    "5.",
+    ".5",
+    "+3",
+    "-0x1F",
+    "010",
+    "08",
+    "1_000",
+    "1:30",
+    "y",
+    "No",
+    "on",
+    "2024-01-01",
+)
+
+
+def test_scalars_are_read_as_ros_reads_them(tmp_path: Path) -> None:
+    path = tmp_path / "scalars.yaml"
+    lines = [f"    p{number}: {text}" for number, text in enumerate(SCALARS)]
+    path.write_text("/**:\n  ros__parameters:\n" + "\n".join(lines) + "\n")
+    context = Context()
+    rclpy.init(args=["--ros-args", "--params-file", str(path)], context=context)
+    try:
+        node = Node("any_name", context=context, automatically_declare_parameters_from_overrides=True)
+        by_ros = {f"p{number}": node.get_parameter(f"p{number}").value for number in range(len(SCALARS))}
+        node.destroy_node()
+    finally:
+        context.try_shutdown()
+    ours = read_parameter_file(path)
+    assert ours == by_ros
+    assert types(ours) == types(by_ros)

@@ -5,15 +5,42 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import fields
 from pathlib import Path
 
 from lane_dp_ros.core.presets import PRESETS
+from lane_dp_ros.messages.stereo_sync import SIDES
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.parallel import available_cpus
 
 
 def add_bag(command: argparse.ArgumentParser) -> None:
     """Add BAG, the bag to read."""
-    command.add_argument("bag", type=Path, metavar="BAG", help="bag folder, .mcap or .db3 file")
+    command.add_argument("bag", type=Path, metavar="BAG", help="bag folder, or a .mcap, .db3 or .bag file")
+
+
+def add_topics(command: argparse.ArgumentParser) -> None:
+    """Add --left, --right, --left-info, --right-info and --camera: the stereo camera's topics in a bag."""
+    group = command.add_argument_group(
+        "topics", "of the rectified stereo camera in the bag; needed where there are several, or odd names"
+    )
+    for side in SIDES:
+        image = f"images of the {side} camera, raw or compressed"
+        group.add_argument(f"--{side}", metavar="TOPIC", help=image)
+    for side in SIDES:
+        info = f"CameraInfo of the {side} camera; default: camera_info beside its images"
+        group.add_argument(f"--{side}-info", metavar="TOPIC", help=info)
+    prefix = "what the topics of the camera begin with, such as /zed/zed_node"
+    group.add_argument("--camera", metavar="PREFIX", help=prefix)
+    command.set_defaults(topics_error=command.error)
+
+
+def topic_choice(arguments: argparse.Namespace) -> TopicChoice:
+    """Return the topics that the arguments name; wrong usage ends the process as argparse does."""
+    names = {field.name: getattr(arguments, field.name) for field in fields(TopicChoice)}
+    if names["camera"] and (names["left"] or names["right"]):
+        arguments.topics_error("expected either --camera or --left and --right")
+    return TopicChoice(**names)
 
 
 def add_output(command: argparse.ArgumentParser) -> None:

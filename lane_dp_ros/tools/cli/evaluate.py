@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lane_dp_ros.core.presets import PRESETS
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.cli.arguments import add_jobs, limit
+from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, limit, topic_choice
 from lane_dp_ros.tools.evaluation.thresholds import THRESHOLDS, missed_thresholds
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--preset", choices=PRESETS, help="to detect with, default: default")
     command.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file to detect with")
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -76,7 +77,8 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.compare is not None:
         _compare(arguments)
         return
-    evaluate(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs))
+    topics = topic_choice(arguments)
+    evaluate(arguments, DetectorChoice(arguments.preset, arguments.config, arguments.jobs, topics))
 
 
 def _compare(arguments: argparse.Namespace) -> None:
@@ -96,7 +98,8 @@ def _compare(arguments: argparse.Namespace) -> None:
         from lane_dp_ros.tools.report import write_changes_report
 
         source = arguments.input or after.source
-        page = write_changes_report(comparison, (before.path, after.path), source, arguments.report)
+        names, topics = (before.path, after.path), topic_choice(arguments)
+        page = write_changes_report(comparison, names, source, arguments.report, topics)
         print(f"report: {page}")
 
 
@@ -165,4 +168,4 @@ def _write_report(arguments: argparse.Namespace, evaluation: Evaluation, choice:
     if arguments.surface is not None:
         return write_surface_report(evaluation.results, arguments.surface, arguments.report)
     config = choice.configs[1] if choice.given else None
-    return write_report(evaluation.results, arguments.input, arguments.report, config)
+    return write_report(evaluation.results, arguments.input, arguments.report, config, choice.topics)

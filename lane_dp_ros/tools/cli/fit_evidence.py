@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.cli.arguments import add_jobs, seed
+from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, seed, topic_choice
 
 if TYPE_CHECKING:
     from lane_dp_ros.tools.evidence_fit.collecting import FrameSource, KnownPair
@@ -38,6 +38,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     command.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="the model, JSON")
     command.add_argument("--force", action="store_true", help="replace FILE")
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -74,9 +75,10 @@ def _sources(arguments: argparse.Namespace, folder: Path) -> list[FrameSource]:
     from lane_dp_ros.tools.evidence_fit.frames import labelled_frames, unpainted_frames
     from lane_dp_ros.tools.evidence_fit.left_out import SCENES
 
-    labelled = [source for data in arguments.data for source in labelled_frames(data)]
+    topics = topic_choice(arguments)
+    labelled = [source for data in arguments.data for source in labelled_frames(data, topics)]
     drives = {source.drive for source in labelled}
-    bare = [source for path in arguments.unpainted for source in unpainted_frames(path, drives)]
+    bare = [source for path in arguments.unpainted for source in unpainted_frames(path, drives, topics)]
     scenes = [
         FrameSource(SCENES, Kept(partial(training_frame, arguments.seed, i), folder / f"{i}.pickle"))
         for i in range(arguments.scenes)

@@ -25,10 +25,24 @@ from lane_dp_ros.tools.cli import (
     run,
     scenes,
     tables,
+    topics,
 )
+from lane_dp_ros.tools.cli.remarks import remarks_on_stderr
 
 # In the order of --help.
-COMMANDS = (demo, play, run, convert, evaluate, review, tables, scenes, fit_evidence, dump_config)
+COMMANDS = (
+    demo,
+    play,
+    run,
+    topics,
+    convert,
+    evaluate,
+    review,
+    tables,
+    scenes,
+    fit_evidence,
+    dump_config,
+)
 KNOWN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143  # exit codes; the last two as the shell has them
 
 
@@ -39,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = _parse(list(sys.argv[1:] if argv is None else argv))
     try:
-        with _ended_by_sigterm():
+        with _ended_by_sigterm(), remarks_on_stderr():
             arguments.run(arguments)
     except (CommandError, ValueError, OSError) as error:
         print(f"lane_dp: {one_line(error)}", file=sys.stderr)

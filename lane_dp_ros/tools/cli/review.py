@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lane_dp_ros.messages.errors import CommandError, one_line
-from lane_dp_ros.tools.cli.arguments import add_config, add_jobs, port
+from lane_dp_ros.tools.cli.arguments import add_config, add_jobs, add_topics, port, topic_choice
 
 if TYPE_CHECKING:
     from lane_dp_ros.review.review import Review
@@ -45,6 +45,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--open", action="store_true", help="open the page in the browser")
     add_config(command)
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -55,7 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
     from lane_dp_ros.review.review_file import locked
     from lane_dp_ros.review.server import ReviewServer
 
-    check_images(bag := arguments.bag)
+    check_images(bag := arguments.bag, topic_choice(arguments))
     text = None if arguments.imported is None else read_annotations(arguments.imported)
     if arguments.export is not None:
         _check_new(arguments.export)
@@ -82,9 +83,10 @@ def _review(arguments: argparse.Namespace, path: Path) -> Review:
     from lane_dp_ros.tools.detection_config import load_config
 
     node, detector = load_config(arguments.preset, arguments.config)
+    topics = topic_choice(arguments)
     file = ReviewFile(path)  # before the lanes, which may take minutes: it may be damaged
-    lanes = arguments.lanes or lanes_bag(arguments.bag, node, detector, arguments.jobs)
-    drive = read_drive(arguments.bag, lanes)
+    lanes = arguments.lanes or lanes_bag(arguments.bag, node, detector, arguments.jobs, topics)
+    drive = read_drive(arguments.bag, lanes, topics)
     file.use_for(drive.fingerprint)
     review = Review(drive, file, Grounds(drive, node, detector))
     _say_what_is_there(review, lanes)

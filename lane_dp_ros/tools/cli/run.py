@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.cli.arguments import add_config, add_jobs
+from lane_dp_ros.tools.cli.arguments import add_config, add_jobs, add_topics, topic_choice
 
 if TYPE_CHECKING:
     from lane_dp_ros.tools.offline.run_bags import Outputs
@@ -19,11 +19,12 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     """Add `run` to the commands of lane_dp."""
     text = "detect lanes in every stereo pair of bags, without ROS, as fast as it goes"
     command = commands.add_parser("run", help=text, description=text)
-    bags = "bag folders, .mcap or .db3 files; of several all outputs are folders, which get a file for each"
+    bags = "bag folders, .mcap, .db3 or .bag files; of several all outputs are folders with a file for each"
     command.add_argument("bags", type=Path, nargs="+", metavar="BAG", help=bags)
     _add_outputs(command)
     add_config(command)
     add_jobs(command, default=1)
+    add_topics(command)
     command.set_defaults(run=run, usage_error=command.error)
 
 
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
     if len(arguments.bags) > 1 or arguments.skip_existing:
         _run_many(arguments, outputs, config)
         return
-    summary = run_bag(arguments.bags[0], outputs, config, arguments.jobs)
+    summary = run_bag(arguments.bags[0], outputs, config, arguments.jobs, topic_choice(arguments))
     print(f"{', '.join(map(str, outputs.paths))}: {summary}")
 
 
@@ -87,7 +88,8 @@ def _run_many(arguments: argparse.Namespace, outputs: Outputs, config: Any) -> N
     from lane_dp_ros.tools.offline.run_bags import run_bags
 
     bags, failures, skipped = arguments.bags, [], 0
-    for ran in run_bags(bags, outputs, config, arguments.jobs, arguments.skip_existing):
+    topics = topic_choice(arguments)
+    for ran in run_bags(bags, outputs, config, arguments.jobs, arguments.skip_existing, topics):
         if ran.failure:
             failures.append(ran.failure)
         skipped += ran.summary is None and not ran.failure

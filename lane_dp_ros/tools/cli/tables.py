@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 
 from lane_dp_ros.core.presets import PRESETS
-from lane_dp_ros.tools.cli.arguments import add_jobs
+from lane_dp_ros.tools.cli.arguments import add_jobs, add_topics, topic_choice
 
 EXPLANATION = """\
 The truth of a drive or bag NAME is NAME.truth.json beside it, as lane_dp review exports it, that of a folder
@@ -25,6 +25,7 @@ def add_command(commands: argparse._SubParsersAction) -> None:
     detector = "Python file with lanes(left, right, camera), in place of the baseline"
     command.add_argument("--detector", type=Path, metavar="FILE", help=detector)
     add_jobs(command)
+    add_topics(command)
     command.set_defaults(run=run)
 
 
@@ -34,4 +35,5 @@ def run(arguments: argparse.Namespace) -> None:
     from lane_dp_ros.tools.evaluation.detectors import baseline_detector, file_detector, preset_detector
 
     other = file_detector(arguments.detector) if arguments.detector else baseline_detector()
-    print(comparison(arguments.data, [*map(preset_detector, PRESETS), other], arguments.jobs))
+    detectors = [*map(preset_detector, PRESETS), other]
+    print(comparison(arguments.data, detectors, arguments.jobs, topic_choice(arguments)))

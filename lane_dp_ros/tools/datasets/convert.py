@@ -15,5 +15,7 @@ CAMERA_HEIGHT = 1.65  # m above the road, of KITTI's cameras (Geiger et al., IJR
 def convert(sequence: StereoSequence, writer: BagWriter, jpeg: bool = False) -> None:
     """Write a sequence to an open bag, with a progress bar."""
     stereo = StereoBagWriter(writer, sequence.P_left, sequence.P_right, jpeg, CAMERA_HEIGHT)
-    for pair in progress(load_pairs(sequence), len(sequence), "pair"):
+    pairs = zip(load_pairs(sequence), sequence.calibrations, strict=True)
+    for pair, (left, right) in progress(pairs, len(sequence), "pair"):
+        stereo.P_left, stereo.P_right = left.P, right.P
         stereo.write(pair)

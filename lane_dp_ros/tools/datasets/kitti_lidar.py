@@ -59,12 +59,13 @@ def read_lidar_frames(folder: Path) -> tuple[list[LidarFrame], int]:
     with NNNNNN.txt; it may also be the parent of such a folder `training`. Raises CommandError naming what
     was looked for.
     """
-    inner = folder / "training"
-    root = inner if (inner / "image_2").is_dir() and not (folder / "image_2").is_dir() else folder
-    pairs = list(zip(*single_pairs(root), strict=True))
+    pairs = list(zip(*single_pairs(folder), strict=True))
+    root = pairs[0][0].parents[1]
     measured = {path.name for path in (root / LIDAR).glob("*_10.png")}
     if odd := sorted(measured - {left.name for left, _ in pairs}):
-        raise CommandError(f"{root / LIDAR / odd[0]} has no left image, expected {root / 'image_2' / odd[0]}")
+        raise CommandError(
+            f"{root / LIDAR / odd[0]} has no left image, expected {pairs[0][0].with_name(odd[0])}"
+        )
     if not measured:
         looked = root / LIDAR / "*_10.png"
         raise CommandError(f"no LiDAR disparity of any of the {len(pairs)} images: looked for {looked}")

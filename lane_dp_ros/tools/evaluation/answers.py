@@ -88,9 +88,8 @@ def detected_answers(reader: BagReader, config: tuple[NodeConfig, DetectorConfig
         tolerance = f"no left and right stamps within {node.sync_tolerance:g} s"
         raise CommandError(f"{reader.path} has no stereo pair that can be used: {tolerance}")
     notes = tuple(f"{problems.count(text)} x {text}" for text in sorted(set(problems)))
-    return BagAnswers(
-        answers, frozenset(answers) | frozenset(image_arrivals(reader, topics.namespace)), notes
-    )
+    arrivals = image_arrivals(reader, {side: [image] for side, image in topics.images.items()})
+    return BagAnswers(answers, frozenset(answers) | frozenset(arrivals), notes)
 
 
 def file_answers(

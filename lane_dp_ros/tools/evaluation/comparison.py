@@ -13,13 +13,14 @@ from pathlib import Path
 
 from lane_dp_ros.core.tracking.tracker import LaneTracker, TrackingConfig
 from lane_dp_ros.core.types import Lane
+from lane_dp_ros.messages.bag_files import looks_like_bag
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.evaluation.detectors import Detector
 from lane_dp_ros.tools.evaluation.labelled_pairs import (
     SCENES,
     LabelledPair,
     find_truth,
-    is_bag,
     is_raw_drive,
     load_pairs,
     truth_candidates,
@@ -56,10 +57,10 @@ def find_data(paths: Iterable[Path]) -> list[Data]:
 def _data_at(path: Path) -> list[Data]:
     if not path.exists():
         raise CommandError(f"{path}: no such folder or bag")
-    if is_bag(path) or is_raw_drive(path) or find_truth(path) or (path / SCENES).exists():
+    if looks_like_bag(path) or is_raw_drive(path) or find_truth(path) or (path / SCENES).exists():
         return [_data(path)]
     below = sorted({*path.glob("*_drive_*"), *path.glob("*/*_drive_*")})
-    drives = [_data(each) for each in below if is_bag(each) or is_raw_drive(each)]
+    drives = [_data(each) for each in below if looks_like_bag(each) or is_raw_drive(each)]
     if found := [data for data in drives if data.drive]:
         return found
     wanted = ", ".join(map(str, truth_candidates(path)))
@@ -76,7 +77,9 @@ def _data(path: Path) -> Data:
     return Data(path, truth, drive)
 
 
-def judge_data(data: Data, detectors: Sequence[Detector], jobs: int) -> list[list[FrameScore]]:
+def judge_data(
+    data: Data, detectors: Sequence[Detector], jobs: int, topics: TopicChoice | None = None
+) -> list[list[FrameScore]]:
     """Return, for each detector, how each frame of the data was judged; shows a progress bar.
 
     The lanes of every detector get their identity from the same tracker, along frames that have stamps; it
@@ -84,7 +87,7 @@ def judge_data(data: Data, detectors: Sequence[Detector], jobs: int) -> list[lis
     """
     if data.truth is None:
         return [[] for _ in detectors]
-    count, pairs = load_pairs(data.path, data.truth)
+    count, pairs = load_pairs(data.path, data.truth, topics)
     trackers = [LaneTracker(TrackingConfig(enabled=False)) for _ in detectors]
     results: list[list[FrameScore]] = [[] for _ in detectors]
     with parallel_map(partial(_detect, tuple(detectors)), pairs, jobs) as detected:
@@ -107,12 +110,14 @@ def _detect(detectors: Sequence[Detector], pair: LabelledPair) -> list[tuple[tup
     return answers
 
 
-def comparison(paths: Sequence[Path], detectors: Sequence[Detector], jobs: int) -> str:
+def comparison(
+    paths: Sequence[Path], detectors: Sequence[Detector], jobs: int, topics: TopicChoice | None = None
+) -> str:
     """Judge the data at the paths with each detector and return all tables, and what is missing in them."""
     found = find_data(paths)
     results: list[list[FrameScore]] = [[] for _ in detectors]
     for data in found:
-        for i, judged in enumerate(judge_data(data, detectors, jobs)):
+        for i, judged in enumerate(judge_data(data, detectors, jobs, topics)):
             results[i] += judged
     summaries = [by_sequence(judged) for judged in results]
     parts = [papers_tables([detector.name for detector in detectors], summaries), *missing(found)]

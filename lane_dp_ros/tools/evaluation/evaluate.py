@@ -11,9 +11,11 @@ from pathlib import Path
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.bag_files import looks_like_bag
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.detection_config import load_config
 from lane_dp_ros.tools.evaluation.answers import (
     BagAnswers,
@@ -41,11 +43,12 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class DetectorChoice:
-    """With which parameters to detect where lanes are not recorded, in how many processes."""
+    """With which parameters to detect where lanes are not recorded, in how many processes, on what topics."""
 
     preset: str | None = None
     config: Path | None = None
     jobs: int = 1
+    topics: TopicChoice | None = None
 
     @property
     def given(self) -> bool:
@@ -80,7 +83,7 @@ def evaluate_path(path: Path, truth: Path | None, choice: DetectorChoice) -> Eva
     frames = load_truth(truth)
     if not frames:
         raise CommandError(f"{truth} has no frames, expected at least one")
-    if path.is_dir() and not (path / "metadata.yaml").exists():
+    if path.is_dir() and not looks_like_bag(path):
         found = choice.answer_files(path, frames)
         return Evaluation(tuple(_judged(frame, answer) for frame, answer in found))
     return _judged_bag(path, truth, frames, read_answers(path, choice))
@@ -106,7 +109,7 @@ def read_answers(path: Path, choice: DetectorChoice) -> BagAnswers:
 
     Raises CommandError for a bag that has neither, and for parameters that would have no effect.
     """
-    with BagReader(path) as reader:
+    with BagReader(path, choice.topics) as reader:
         if not reader.message_count():
             raise CommandError(f"{path} is empty: no message in it")
         topic = lanes_topic(reader)

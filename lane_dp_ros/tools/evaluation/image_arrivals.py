@@ -4,14 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.stamp import stamp_from_ros
-from lane_dp_ros.messages.stereo_bag import IMAGES
+from lane_dp_ros.messages.stereo_sync import Side
 
 
-def image_arrivals(reader: BagReader, namespace: str) -> dict[int, int]:
+def image_arrivals(reader: BagReader, topics: Mapping[Side, list[str]]) -> dict[int, int]:
     """Return, for each stamp [ns] of a left image, when the later one of its pair was recorded [ns]."""
-    topics = {side: [f"{namespace}/{side}/{name}" for name in IMAGES] for side in ("left", "right")}
     arrivals = {
         stamp_from_ros(message.header.stamp): time_ns
         for _, time_ns, message in reader.messages(topics["left"])

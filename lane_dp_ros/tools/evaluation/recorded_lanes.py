@@ -16,6 +16,8 @@ from lane_dp_ros.messages.camera import camera_from_ros
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_from_ros
 from lane_dp_ros.messages.stamp import stamp_from_ros
+from lane_dp_ros.messages.stereo_sync import SIDES, Side
+from lane_dp_ros.messages.stereo_topics import IMAGES, StereoTopics, find_stereo_topics
 from lane_dp_ros.tools.evaluation.answers import BagAnswers, FrameAnswer
 from lane_dp_ros.tools.evaluation.image_arrivals import image_arrivals
 
@@ -44,7 +46,9 @@ def recorded_answers(reader: BagReader, topic: str) -> BagAnswers:
     Raises CommandError for lanes with points that are not finite numbers.
     """
     namespace = topic.rpartition("/")[0]
-    camera, arrivals = _camera(reader, namespace), image_arrivals(reader, namespace)
+    images = _stereo_topics(reader)
+    camera = _camera(reader, namespace, images)
+    arrivals = image_arrivals(reader, _image_topics(reader, namespace, images))
     road_edges = _recorded_edges(reader, f"{namespace}/{ROAD_EDGES}")
     answers: dict[int, FrameAnswer] = {}
     repeated = 0
@@ -86,9 +90,29 @@ def _lanes(reader: BagReader, topic: str, message: Any) -> tuple[Lane, ...]:
     return lanes_from_ros(message)
 
 
-def _camera(reader: BagReader, namespace: str) -> StereoCamera | None:
-    """Return the camera of the bag's camera infos, None without them."""
-    infos = [_first(reader, f"{namespace}/{side}/camera_info") for side in ("left", "right")]
+def _stereo_topics(reader: BagReader) -> StereoTopics | None:
+    """Return the topics of the images that were recorded with the lanes, None without them."""
+    try:
+        return find_stereo_topics(reader)
+    except CommandError:
+        return None
+
+
+def _image_topics(reader: BagReader, namespace: str, images: StereoTopics | None) -> dict[Side, list[str]]:
+    """Return the topics of the images beside the lanes, raw and compressed, or else of the stereo camera."""
+    beside: dict[Side, list[str]] = {
+        side: [f"{namespace}/{side}/{name}" for name in IMAGES] for side in SIDES
+    }
+    if images is None or reader.message_count(beside["left"]):
+        return beside
+    return {side: [image] for side, image in images.images.items()}
+
+
+def _camera(reader: BagReader, namespace: str, images: StereoTopics | None) -> StereoCamera | None:
+    """Return the camera of the CameraInfos beside the lanes, or of the images'; None without them."""
+    infos = [_first(reader, f"{namespace}/{side}/camera_info") for side in SIDES]
+    if None in infos and images is not None:
+        infos = [_first(reader, images.infos[side]) for side in SIDES]
     return None if None in infos else camera_from_ros(*infos)
 
 

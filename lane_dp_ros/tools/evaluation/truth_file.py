@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lane_dp_ros.core.geometry.camera import StereoCamera
+from lane_dp_ros.messages.errors import quoted
 from lane_dp_ros.tools.evaluation.annotations import COLOURS, KINDS, Kind, Label, LabelledFrame, by_depth
 
 __all__ = ["KINDS", "Kind", "Label", "LabelledFrame", "by_depth", "load_truth", "save_truth"]
@@ -23,6 +24,8 @@ _SHAPES = {(4,): "4 numbers", (-1, 2): "[a, b] points", (-1, 3): "[a, b, c] poin
 CAMERA_FIELDS = ("fx", "fy", "cx", "cy", "baseline")
 TEXT_FIELDS = ("sequence", "category", "drive", "left", "right", "note")  # of a frame; each may be left out
 LARGEST = 1e6  # of any number in a truth
+LARGEST_SIZE = 20_000  # px; no camera has more rows or columns
+LARGEST_STAMP = 2**63 - 1  # ns
 NEAREST = 0.1  # m; no road is nearer to a camera
 WIDEST = 2.0  # m; no lane line is wider
 PIXEL_DIGITS, METRE_DIGITS = 3, 4  # that are written: no label is better, and the last bits differ by machine
@@ -35,6 +38,8 @@ def load_truth(path: Path) -> tuple[LabelledFrame, ...]:
     """
     try:
         frames = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repeats)
+    except RecursionError:
+        raise ValueError(f"{path} is nested too deep, expected an object of labelled frames") from None
     except json.JSONDecodeError as error:
         raise ValueError(f"{path}, line {error.lineno}, column {error.colno}: no JSON: {error.msg}") from None
     except UnicodeDecodeError as error:
@@ -122,10 +127,10 @@ def frame_from_json(name: str, fields: Any) -> LabelledFrame:
         frame = LabelledFrame(
             name=name,
             camera=_camera(fields),
-            size=(int(fields["width"]), int(fields["height"])),
+            size=(_whole(fields, "width", LARGEST_SIZE), _whole(fields, "height", LARGEST_SIZE)),
             ground=finite_array(fields["ground"], (4,), "ground"),
             labels=tuple(map(_label, fields["lanes"])),
-            stamp_ns=None if fields.get("stamp_ns") is None else int(fields["stamp_ns"]),
+            stamp_ns=None if fields.get("stamp_ns") is None else _whole(fields, "stamp_ns", LARGEST_STAMP),
             profile=_profile(fields),
             **{side: fields[side] for side in ("ego_left", "ego_right")},
             **{name: str(fields.get(name, "")) for name in TEXT_FIELDS},
@@ -133,21 +138,41 @@ def frame_from_json(name: str, fields: Any) -> LabelledFrame:
         _check_ids(frame)
     except KeyError as error:
         raise ValueError(f"frame {name!r} lacks the field {error}") from None
-    except (TypeError, AttributeError, ValueError) as error:
-        raise ValueError(f"frame {name!r}: {error}") from None
+    except (TypeError, AttributeError, ValueError, RecursionError) as error:
+        raise ValueError(f"frame {quoted(name)}: {error}") from None
     return frame
 
 
 def _camera(fields: dict[str, Any]) -> StereoCamera:
-    fx, fy, cx, cy, baseline = (float(fields[key]) for key in CAMERA_FIELDS)
+    fx, fy, cx, cy, baseline = (_number(fields[key], key) for key in CAMERA_FIELDS)
     return StereoCamera(fx, fy, cx, cy, baseline)
+
+
+def _whole(fields: dict[str, Any], key: str, largest: int) -> int:
+    """Return a field that is a whole number. Raises ValueError naming it."""
+    value = fields[key]
+    try:
+        if not 0 <= value <= largest or int(value) != value:
+            raise ValueError
+        return int(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{key} is {quoted(value)}, expected a whole number from 0 to {largest}") from None
+
+
+def _number(value: Any, what: str) -> float:
+    try:
+        if not abs(number := float(value)) <= LARGEST:
+            raise ValueError
+        return number
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{what} is {quoted(value)}, expected a number of at most {LARGEST:.0e}") from None
 
 
 def _label(fields: dict[str, Any]) -> Label:
     identity, kind = str(fields["id"]), fields["kind"]
-    where = f"line {identity!r}"
+    where = f"line {quoted(identity)}"
     if kind not in KINDS:
-        raise ValueError(f"{where} is of kind {kind!r}, expected one of {', '.join(KINDS)}")
+        raise ValueError(f"{where} is of kind {quoted(kind)}, expected one of {', '.join(KINDS)}")
     uv, xz = (finite_array(fields[key], (-1, 2), f"{where}: {key}") for key in ("uv", "xz"))
     if len(xz) < 2:
         raise ValueError(f"{where}: xz has {len(xz)} points, expected at least 2")
@@ -162,11 +187,11 @@ def _paint(fields: dict[str, Any], where: str) -> dict[str, Any]:
     """Return what a line's object says of its paint, or of the border that it is; all may be missing."""
     colour, width, double = (fields.get(name) for name in ("colour", "width", "double"))
     if colour is not None and colour not in COLOURS:
-        raise ValueError(f"{where}: colour is {colour!r}, expected white or yellow")
-    if width is not None and not 0 < (width := float(width)) <= WIDEST:
+        raise ValueError(f"{where}: colour is {quoted(colour)}, expected white or yellow")
+    if width is not None and not 0 < (width := _number(width, f"{where}: width")) <= WIDEST:
         raise ValueError(f"{where}: width is {width:.4g}, expected more than 0 and at most {WIDEST:g} m")
     if double not in (None, True, False):
-        raise ValueError(f"{where}: double is {double!r}, expected true or false")
+        raise ValueError(f"{where}: double is {quoted(double)}, expected true or false")
     return {
         "colour": colour or "",
         "width": width,
@@ -195,7 +220,7 @@ def finite_array(values: Any, shape: tuple[int, ...], what: str) -> Floats:
         if given.ndim != len(shape) or given.shape[-1] != shape[-1]:
             raise ValueError
         numbers = given.reshape(shape)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{what} is no list of {_SHAPES[shape]}") from None
     if not np.all(np.isfinite(numbers)):
         raise ValueError(f"{what} holds values that are not finite numbers (NaN?)")
@@ -207,6 +232,6 @@ def finite_array(values: Any, shape: tuple[int, ...], what: str) -> Floats:
 def _check_ids(frame: LabelledFrame) -> None:
     ids = [label.id for label in frame.labels]
     if repeated := sorted({identity for identity in ids if ids.count(identity) > 1}):
-        raise ValueError(f"two lines have the id {repeated[0]!r}")
+        raise ValueError(f"two lines have the id {quoted(repeated[0])}")
     if unknown := [identity for identity in frame.ego_ids if identity not in ids]:
-        raise ValueError(f"ego line {unknown[0]!r} is none of the lines {', '.join(ids) or '(none)'}")
+        raise ValueError(f"ego line {quoted(unknown[0])} is none of the lines {', '.join(ids) or '(none)'}")

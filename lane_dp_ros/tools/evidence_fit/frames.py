@@ -12,17 +12,18 @@ from typing import Any
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.bag_files import looks_like_bag
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.messages.stereo_pipeline import read_pair
 from lane_dp_ros.messages.stereo_sync import StereoPair
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.datasets.kitti import read_odometry
 from lane_dp_ros.tools.evaluation.answers import read_picture
 from lane_dp_ros.tools.evaluation.labelled_pairs import (
     LabelledPair,
     find_truth,
-    is_bag,
     load_pairs,
     truth_candidates,
 )
@@ -31,28 +32,31 @@ from lane_dp_ros.tools.evidence_fit.collecting import FrameSource, KnownPair
 THINNED = 3  # of the frames without paint, which follow one another, each third is varied
 
 
-def labelled_frames(data: Path) -> list[FrameSource]:
+def labelled_frames(data: Path, topics: TopicChoice | None = None) -> list[FrameSource]:
     """Return the labelled frames of a bag or a folder, with the truth that lies in it or beside it.
 
-    Raises CommandError or ValueError, in one line, for data without labels.
+    `topics` are those of a bag's stereo camera. Raises CommandError or ValueError, in one
+    line, for data without labels.
     """
     truth = find_truth(data)
     if truth is None:
         places = ", ".join(map(str, truth_candidates(data)))
         raise CommandError(f"{data} has no labelled frames: looked for {places}")
-    _, pairs = load_pairs(data, truth)
+    _, pairs = load_pairs(data, truth, topics)
     return [FrameSource(_drive(pair, data), partial(_labelled, pair), varied=True) for pair in pairs]
 
 
-def unpainted_frames(path: Path, drives: Collection[str]) -> list[FrameSource]:
+def unpainted_frames(
+    path: Path, drives: Collection[str], topics: TopicChoice | None = None
+) -> list[FrameSource]:
     """Return the frames of a bag, or of a folder sequences/NN of KITTI's odometry, that shows no paint.
 
     They are of that one of the `drives` of labelled frames which ends in the same name, else of one of their
     own.
     """
-    name = path.stem if is_bag(path) else path.name
+    name = path.stem if looks_like_bag(path) else path.name
     drive = next((each for each in drives if each.rpartition("/")[2] == name), name)
-    loads = list(_of_bag(path, name) if is_bag(path) else _of_sequence(path, name))
+    loads = list(_of_bag(path, name, topics) if looks_like_bag(path) else _of_sequence(path, name))
     if not loads:
         raise CommandError(f"{path} has no stereo pair to learn from")
     return [FrameSource(drive, load, varied=i % THINNED == 0) for i, load in enumerate(loads)]
@@ -80,8 +84,8 @@ def _of_files(name: str, left: Path, right: Path, camera: StereoCamera) -> Known
     return KnownPair(name, StereoFrame(read_picture(left), read_picture(right)).grey(), camera)
 
 
-def _of_bag(bag: Path, name: str) -> Iterator[partial[KnownPair]]:
-    with BagReader(bag) as reader:
+def _of_bag(bag: Path, name: str, topics: TopicChoice | None) -> Iterator[partial[KnownPair]]:
+    with BagReader(bag, topics) as reader:
         sync = sync_of_bag(NodeConfig().sync_tolerance)
         for pair, infos, _ in read_stereo_pairs(reader, find_stereo_topics(reader), sync):
             if pair.right is not None:

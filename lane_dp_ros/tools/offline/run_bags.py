@@ -15,6 +15,7 @@ from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.errors import CommandError, one_line
 from lane_dp_ros.messages.node_config import NodeConfig
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.offline.detect_bag import Output, detect_bag
 from lane_dp_ros.tools.offline.lane_bag import LaneBag, Pictures
 from lane_dp_ros.tools.offline.line_table import csv_table, parquet_table
@@ -38,7 +39,7 @@ class Outputs:
 
     def of(self, bag: Path) -> Outputs:
         """Return the files of one bag of several, in these folders, under its name."""
-        name = bag.stem if bag.suffix in (".mcap", ".db3") else bag.name
+        name = bag.stem if bag.suffix in (".mcap", ".db3", ".bag") else bag.name
 
         def inside(folder: Path | None, ending: str) -> Path | None:
             return None if folder is None else folder / f"{name}{ending}"
@@ -73,12 +74,19 @@ class Outputs:
             yield stack.enter_context(rerun_file(self.rerun, self.force))
 
 
-def run_bag(bag: Path, outputs: Outputs, config: tuple[NodeConfig, DetectorConfig], jobs: int = 1) -> Summary:
+def run_bag(
+    bag: Path,
+    outputs: Outputs,
+    config: tuple[NodeConfig, DetectorConfig],
+    jobs: int = 1,
+    choice: TopicChoice | None = None,
+) -> Summary:
     """Detect in all pairs of a bag and write what is wanted; nothing of it is there unless all is well.
 
-    Raises CommandError as `detect_bag`, for an output that cannot be written, and for one that is the bag.
+    `choice` are the topics of its stereo camera. Raises CommandError as `detect_bag`, for an output that
+    cannot be written, and for one that is the bag.
     """
-    with BagReader(bag) as reader, ExitStack() as stack:
+    with BagReader(bag, choice) as reader, ExitStack() as stack:
         for path in outputs.paths:
             if path.resolve() in (
                 bag.resolve(),
@@ -105,11 +113,13 @@ def run_bags(
     config: tuple[NodeConfig, DetectorConfig],
     jobs: int = 1,
     skip_existing: bool = False,
+    choice: TopicChoice | None = None,
 ) -> Iterator[Ran]:
     """Yield how it went with each bag, one after the other; one that fails does not stop the rest.
 
-    `outputs` are folders, which are made. With `skip_existing` a bag whose files are all there is left out.
-    Raises CommandError for bags whose files would have one name, before anything is done.
+    `outputs` are folders, which are made; `choice` are the topics of the stereo cameras. With `skip_existing`
+    a bag whose files are all there is left out. Raises CommandError for bags whose files would have one name,
+    before anything is done.
     """
     files = {bag: outputs.of(bag) for bag in bags}
     _check_names(files)
@@ -118,7 +128,7 @@ def run_bags(
             yield Ran(bag)
             continue
         try:
-            yield Ran(bag, run_bag(bag, wanted, config, jobs))
+            yield Ran(bag, run_bag(bag, wanted, config, jobs, choice))
         except (CommandError, ValueError, OSError) as error:
             yield Ran(bag, failure=one_line(error))
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.evaluation.changes import Comparison, FrameChange
 from lane_dp_ros.tools.evaluation.changes_text import (
     change_text,
@@ -30,18 +31,23 @@ SIDE_BYTES = 90_000  # of a picture; there are two to a frame
 
 
 def write_changes_report(
-    comparison: Comparison, names: tuple[Path, Path], source: Path | None, directory: Path
+    comparison: Comparison,
+    names: tuple[Path, Path],
+    source: Path | None,
+    directory: Path,
+    topics: TopicChoice | None = None,
 ) -> Path:
     """Write the page of a comparison to `directory`/index.html, with a progress bar; return its path.
 
     `names` are the files that were compared; `source` is the bag or folder with the images, None where it is
-    not known. Raises CommandError where the page cannot be written, see `check_report_output`.
+    not known, `topics` those of a bag's stereo camera. Raises CommandError where the page cannot be written,
+    see `check_report_output`.
     """
     check_report_output(directory)
     shown = _shown(comparison)
     places = {change.after.name: place for place, change in enumerate(shown, 1)}
     cards = [""] * len(shown)
-    found = _images(source, [change.after for change in shown])
+    found = _images(source, [change.after for change in shown], topics)
     for result, images in progress(found, len(shown), "frame"):
         i = places[result.name] - 1
         cards[i] = _card(i + 1, shown[i], images)
@@ -66,9 +72,11 @@ def _shown(comparison: Comparison) -> list[FrameChange]:
     return [*not_better[:NOT_BETTER], *comparison.better][:GALLERY]
 
 
-def _images(source: Path | None, results: Sequence[FrameScore]) -> Iterator[tuple[FrameScore, FrameImages]]:
+def _images(
+    source: Path | None, results: Sequence[FrameScore], topics: TopicChoice | None
+) -> Iterator[tuple[FrameScore, FrameImages]]:
     if source is not None and source.exists():
-        yield from frame_images(source, results, None)
+        yield from frame_images(source, results, None, topics)
         return
     where = "" if source is None else f"{source} is not there; "
     note = f"no images: {where}name the bag or folder before --compare"

@@ -14,6 +14,7 @@ from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.types import StereoFrame
 from lane_dp_ros.messages.bag import BagReader
+from lane_dp_ros.messages.bag_files import looks_like_bag
 from lane_dp_ros.messages.errors import CommandError, one_line
 from lane_dp_ros.messages.image import Image8, image_from_ros
 from lane_dp_ros.messages.node_config import NodeConfig
@@ -21,6 +22,7 @@ from lane_dp_ros.messages.stamp import stamp_from_ros
 from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.messages.stereo_pipeline import detect_alone, read_pair
 from lane_dp_ros.messages.stereo_sync import StereoPair
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.evaluation.annotations import LabelledFrame
 from lane_dp_ros.tools.evaluation.answers import read_picture
 from lane_dp_ros.tools.evaluation.scores import FrameScore
@@ -43,7 +45,10 @@ class FrameImages:
 
 
 def frame_images(
-    source: Path, shown: Sequence[FrameScore], config: DetectorConfig | None
+    source: Path,
+    shown: Sequence[FrameScore],
+    config: DetectorConfig | None,
+    topics: TopicChoice | None = None,
 ) -> Iterator[tuple[FrameScore, FrameImages]]:
     """Yield each frame to show with what there is of it, in any order, no more than one at a time.
 
@@ -53,10 +58,10 @@ def frame_images(
     """
     if (source / SCENES_BAG).exists():
         source = source / SCENES_BAG
-    if source.is_dir() and not (source / "metadata.yaml").exists():
+    if source.is_dir() and not looks_like_bag(source):
         yield from ((each, _images_of_files(source, each.truth, config)) for each in shown)
     else:
-        with BagReader(source) as reader:
+        with BagReader(source, topics) as reader:
             yield from _images_of_bag(reader, shown, config)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.lanes.evidence_model import evidence_model
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.evaluation.causes import Cause, causes
 from lane_dp_ros.tools.evaluation.failures import failures, worst_first
 from lane_dp_ros.tools.evaluation.scores import FrameScore
@@ -26,20 +27,25 @@ GALLERY = 30  # frames
 
 
 def write_report(
-    results: Sequence[FrameScore], source: Path, directory: Path, config: DetectorConfig | None = None
+    results: Sequence[FrameScore],
+    source: Path,
+    directory: Path,
+    config: DetectorConfig | None = None,
+    topics: TopicChoice | None = None,
 ) -> Path:
     """Write the page of an evaluation to `directory`/index.html, with a progress bar; return its path.
 
-    `source` is the bag or folder that was judged, from which the worst frames' images come; `config` what the
-    detector looks at them with once more. Raises CommandError where the page cannot be written, see
-    `check_report_output`.
+    `source` is the bag or folder that was judged, from which the worst frames' images come, in a bag from
+    `topics`; `config` what the detector looks at them with once more. Raises CommandError where the page
+    cannot be written, see `check_report_output`.
     """
     check_report_output(directory)
     worst = worst_first(results)[:GALLERY]
     detector = config or DetectorConfig()
     model = evidence_model(detector.lane_selection.evidence_model)
     cards, lost = [""] * len(worst), [dict[str, Cause]()] * len(worst)
-    for result, images in progress(frame_images(source, worst, detector), len(worst), "frame"):
+    found = frame_images(source, worst, detector, topics)
+    for result, images in progress(found, len(worst), "frame"):
         i = worst.index(result)
         if result.truth and images.camera and images.detection:
             lost[i] = causes(result.truth, images.camera, images.detection, model)

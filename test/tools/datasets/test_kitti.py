@@ -231,6 +231,7 @@ def test_real_sequences(tmp_path: Path, kitti_data: Path, number: str, count: in
     assert len(sequence) == count
     assert sequence.P_left[0, 3] == offset
     messages = converted(sequence, tmp_path / "bag")
+    assert len(messages.pop("/tf_static")) == 1
     assert [len(of_topic) for of_topic in messages.values()] == [count] * 4
     infos = (messages[f"/{side}/camera_info"][0] for side in ("left", "right"))
     assert 0.5 < camera_from_ros(*infos).baseline < 0.6
@@ -240,3 +241,143 @@ def test_real_single_pairs(kitti_data: Path) -> None:
     sequence = read_stereo(kitti_data / "kitti_stereo_2015")
     assert len(sequence) == 52
     assert sequence.P_left[0, 3] == pytest.approx(44.857, abs=1e-3)
+
+
+@pytest.mark.parametrize("ending", [".jpg", ".jpeg", ".JPG"])
+def test_pictures_as_jpeg(tmp_path: Path, ending: str) -> None:
+    folder = odometry(tmp_path)
+    for image in sorted(folder.glob("image_*/*.png")):
+        cv2.imwrite(str(image.with_suffix(".jpg")), cv2.imread(str(image), cv2.IMREAD_UNCHANGED))
+        image.with_suffix(".jpg").rename(image.with_suffix(ending))
+        image.unlink()
+    assert len(converted(read_odometry(folder), tmp_path / "bag")["/left/image_rect"]) == 3
+
+
+def test_text_files_that_windows_wrote(tmp_path: Path) -> None:
+    folder, drive = odometry(tmp_path), raw(tmp_path)
+    texts = [folder / "calib.txt", folder / "times.txt", drive.parent / "calib_cam_to_cam.txt"]
+    texts += [drive / "image_02/timestamps.txt"]
+    before = read_odometry(folder), read_raw(drive)
+    for path in texts:
+        path.write_bytes(b"\xef\xbb\xbf" + path.read_text().replace("\n", "\r\n").encode())
+    for old, new in zip(before, (read_odometry(folder), read_raw(drive)), strict=True):
+        assert new.stamps_ns == old.stamps_ns
+        np.testing.assert_array_equal(new.P_right, old.P_right)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0\n0\n1\n", "line 2 is '0', expected later"),
+        ("0\n2\n1\n", "line 3 is '1', expected later"),
+        ("0\n1e-10\n1\n", "line 2 is '1e-10'"),
+        ("1" * 5000 + "\n1\n2\n", r"got '1{39}\.\.\."),
+    ],
+)
+def test_times_that_do_not_advance(tmp_path: Path, text: str, message: str) -> None:
+    folder = odometry(tmp_path)
+    (folder / "times.txt").write_text(text)
+    with pytest.raises(CommandError, match=f"times.txt: .*{message}") as caught:
+        read_odometry(folder)
+    assert len(str(caught.value)) < 200 + len(str(folder))
+
+
+def single_pairs_of(root: Path, cameras: tuple[str, str], calibration: str, names: tuple[str, str]) -> Path:
+    """Write pairs as the official archives unpack: each picture has a calibration of its own."""
+    for camera in cameras:
+        write_images(
+            root / "training" / camera, ("000000_10.png", "000000_11.png", "000007_10.png"), colour=True
+        )
+    (root / "training" / calibration).mkdir(exist_ok=True)
+    for number, focal_length in (("000000", 700), ("000007", 800)):
+        left, right = (P.replace("700 0 20", f"{focal_length} 0 20") for P in (COLOUR_LEFT, COLOUR_RIGHT))
+        text = f"{names[0]}: {left}\n{names[1]}: {right}\n"
+        (root / "training" / calibration / f"{number}.txt").write_text(text)
+    return root
+
+
+@pytest.mark.parametrize(
+    ("cameras", "calibration", "names"),
+    [
+        (("image_2", "image_3"), "calib_cam_to_cam", ("P_rect_02", "P_rect_03")),
+        (("image_0", "image_1"), "calib", ("P0", "P1")),
+        (("colored_0", "colored_1"), "calib", ("P2", "P3")),
+    ],
+    ids=["2015", "2012 gray", "2012 colour"],
+)
+@pytest.mark.parametrize("given", [".", "training"])
+def test_single_pairs_with_a_calibration_each(tmp_path, cameras, calibration, names, given) -> None:
+    folder = single_pairs_of(tmp_path / "kitti", cameras, calibration, names) / given
+    messages = converted(read_stereo(folder), tmp_path / "bag")
+    for side, x in (("left", 42), ("right", -336)):
+        infos = messages[f"/{side}/camera_info"]
+        assert [(info.p[0], info.p[3]) for info in infos] == [(700, x), (800, x)]
+        assert len(messages[f"/{side}/image_rect"]) == 2
+
+
+def test_a_single_pair_without_its_calibration(tmp_path: Path) -> None:
+    cameras = ("image_0", "image_1")
+    folder = single_pairs_of(tmp_path, cameras, "calib", ("P0", "P1"))
+    (folder / "training/calib/000007.txt").unlink()
+    with pytest.raises(CommandError, match=r"calib/000007\.txt cannot be read: .*No such file"):
+        read_stereo(folder)
+
+
+# Of a camera that is turned by 0.05 rad and whose lens distorts; its images are larger than rectified ones.
+RAW_SIZE, SIZE = (80, 60), (40, 20)
+K, D = np.array([[30.0, 0, 40], [0, 30, 30], [0, 0, 1]]), np.array([-0.3, 0.1, 0.001, -0.001, 0.0])
+R = cv2.Rodrigues(np.array([0.0, 0.05, 0.0]))[0]
+
+
+def extract(root: Path) -> Path:
+    """Write a drive of the archive `_extract`: pictures (80x60) of two points on a dark ground."""
+    folder = raw(root)
+    numbers = {
+        **{f"S_{camera}": RAW_SIZE for camera in ("02", "03")},
+        **{f"S_rect_{camera}": SIZE for camera in ("02", "03")},
+        **{f"K_{camera}": K.ravel() for camera in ("02", "03")},
+        **{f"D_{camera}": D for camera in ("02", "03")},
+        **{f"R_rect_{camera}": R.ravel() for camera in ("02", "03")},
+        "P_rect_02": [25, 0, 20, 0, 0, 25, 10, 0, 0, 0, 1, 0],
+        "P_rect_03": [25, 0, 20, -13.5, 0, 25, 10, 0, 0, 0, 1, 0],
+    }
+    lines = [f"{name}: {' '.join(map(str, values))}\n" for name, values in numbers.items()]
+    (folder.parent / "calib_cam_to_cam.txt").write_text("".join(lines))
+    for camera in ("image_02", "image_03"):
+        for name in NAMES:
+            cv2.imwrite(str(folder / camera / "data" / name), picture_of_points())
+    return folder
+
+
+POINTS = np.array([[0.2, 0.1, 1.0], [-0.3, -0.1, 1.0]])  # in the rectified camera
+
+
+def picture_of_points() -> np.ndarray:
+    """Return what the camera sees of them: blurred dots where its K, D and R say."""
+    image = np.zeros(RAW_SIZE[::-1], np.float32)
+    pixels = cv2.projectPoints(POINTS @ R, np.zeros(3), np.zeros(3), K, D)[0].reshape(-1, 2)
+    v, u = np.mgrid[: RAW_SIZE[1], : RAW_SIZE[0]]
+    for x, y in pixels:
+        image += 250 * np.exp(-((u - x) ** 2 + (v - y) ** 2) / 2)
+    return np.dstack([np.rint(image).astype(np.uint8)] * 3)
+
+
+def test_pictures_that_are_not_rectified_are_rectified(tmp_path: Path) -> None:
+    messages = converted(read_raw(extract(tmp_path)), tmp_path / "bag")
+    image = image_from_ros(messages["/left/image_rect"][0])[:, :, 0].astype(float)
+    assert image.shape == SIZE[::-1]
+    assert messages["/left/camera_info"][0].width == SIZE[0]
+    for x, y, _ in POINTS:
+        u, v = 25 * x + 20, 25 * y + 10
+        around = image[round(v) - 3 : round(v) + 4, round(u) - 3 : round(u) + 4]
+        rows, columns = np.mgrid[round(v) - 3 : round(v) + 4, round(u) - 3 : round(u) + 4]
+        centre = (columns * around).sum() / around.sum(), (rows * around).sum() / around.sum()
+        assert centre == pytest.approx((u, v), abs=0.2)
+
+
+def test_pictures_of_another_size_than_their_calibration(tmp_path: Path) -> None:
+    folder = extract(tmp_path)
+    cv2.imwrite(str(folder / "image_02/data" / NAMES[1]), np.zeros((30, 50, 3), np.uint8))
+    message = r"image_02/data/000001\.png is 50x30, its calibration is of 40x20 or 80x60"
+    with pytest.raises(CommandError, match=message):
+        converted(read_raw(folder), tmp_path / "bag")

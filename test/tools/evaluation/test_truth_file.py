@@ -6,6 +6,8 @@ import json
 
 import pytest
 
+from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.tools.evaluation.json_file import check_json_output
 from lane_dp_ros.tools.evaluation.truth_file import load_truth, save_truth
 
 LANE = {
@@ -195,3 +197,34 @@ def test_real_labels(kitti_data, tmp_path):
     assert (len(frames), sum(len(frame.ego_ids) for frame in frames)) == (72, 86)
     save_truth(frames, tmp_path / "saved.json")
     assert len(load_truth(tmp_path / "saved.json")) == 72
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"fx": 10**400}, "'a/1': fx is 1000.*, expected a number"),
+        ({"baseline": "wide"}, "'a/1': baseline is 'wide', expected a number"),
+        ({"stamp_ns": float("inf")}, "'a/1': stamp_ns is inf, expected a whole number"),
+        ({"stamp_ns": 10**30}, "'a/1': stamp_ns is 1000"),
+        ({"width": 100_000}, "'a/1': width is 100000, expected a whole number from 0 to 20000"),
+        ({"height": 10.5}, "'a/1': height is 10.5"),
+        ({"ground": [10**400, 0, 0, 0]}, "'a/1': ground is no list of 4 numbers"),
+        ({"lanes": [{**LANE, "xz": [[0, 26.0], [0, 1e9]]}]}, "xz holds values of more than 1e"),
+        ({"lanes": [{**LANE, "kind": "x" * 5000}]}, r"is of kind 'x{39}\.\.\., expected one of"),
+        ({"lanes": [{**LANE, "width": 10**400}]}, "width is 1000"),
+    ],
+)
+def test_numbers_out_of_all_bounds_are_named(tmp_path, fields, said):
+    with pytest.raises(ValueError, match=said) as caught:
+        load_truth(written(tmp_path, {"a/1": {**FIELDS, **fields}}))
+    assert len(str(caught.value)) < 300 + len(str(tmp_path))
+
+
+def test_what_is_nested_too_deep_is_refused(tmp_path):
+    path = tmp_path / "deep.json"
+    for text in ("[" * 100_000, '{"a": ' * 100_000):
+        path.write_text(text)
+        with pytest.raises(ValueError, match="deep.json is nested too deep"):
+            load_truth(path)
+        with pytest.raises(CommandError, match="is no evaluation"):
+            check_json_output(path)

@@ -14,7 +14,9 @@ from lane_dp_ros.core.detector import LaneDetector
 from lane_dp_ros.core.lanes.evidence_model import evidence_model
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import StereoFrame
+from lane_dp_ros.messages.bag import BagReader, BagWriter
 from lane_dp_ros.messages.errors import CommandError
+from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.scenes.scene import CAMERA
 from lane_dp_ros.scenes.suite import Drive
 from lane_dp_ros.tools.cli.fit_evidence import training_frame
@@ -114,3 +116,13 @@ def test_a_varied_frame_has_five_examples(scene):
     ]
     assert {each.drive for each in made.examples} == {"here"}
     assert made.category == scene.truth.category
+
+
+def test_the_topics_of_a_bag_may_be_named(tmp_path, write_stereo_bag, small_pairs):
+    with BagReader(write_stereo_bag(small_pairs)) as reader, BagWriter(tmp_path / "yard") as writer:
+        for topic, time_ns, message in reader.messages():
+            for car in ("a", "b"):
+                writer.write(f"/{car}{topic}", time_ns, message)
+    assert len(unpainted_frames(tmp_path / "yard", [], TopicChoice(camera="/b"))) == 5
+    with pytest.raises(CommandError, match="several stereo cameras"):
+        unpainted_frames(tmp_path / "yard", [])
