@@ -50,9 +50,11 @@ def find_stereo_topics(reader: BagReader, sides: Sequence[Side] = SIDES) -> Ster
     A guess goes by type and name (left and right, infra1 and infra2 ...), else by the baseline between two
     CameraInfos; of one camera's images raw ones come before compressed ones, topics without messages do not
     count. A guess of other names than the node's is told. With `sides` left alone the right side may be
-    missing. Raises CommandError, listing what is there and how to name it, for no camera or several.
+    missing. Raises CommandError, listing what is there and how to name it, for no camera or several, and for a named topic
+    that is of another type.
     """
     choice = reader.choice
+    _check_types(reader)
     if choice.left or choice.right:
         return _complete(reader, _named(reader), sides)
     by_name = candidates_by_name(reader)
@@ -64,6 +66,18 @@ def find_stereo_topics(reader: BagReader, sides: Sequence[Side] = SIDES) -> Ster
     if not topics.are_standard:
         _LOGGER.info("%s: left is %s, right %s", reader.path, *topics.images.values())
     return topics
+
+
+def _check_types(reader: BagReader) -> None:
+    """Raise CommandError for a topic that was named as an image or a CameraInfo and is none."""
+    choice, images = reader.choice, tuple(IMAGES.values())
+    for side in SIDES:
+        named = ((choice.image(side), side, images), (choice.info(side), f"{side}-info", (INFO,)))
+        for topic, option, wanted in named:
+            kind = reader.topics.get(topic or "")
+            if kind is not None and kind not in wanted:
+                expected = " or ".join(wanted)
+                raise CommandError(f"--{option} {topic} is {kind}, expected {expected}: it has {_there(reader)}")
 
 
 def _named(reader: BagReader) -> Candidate:

@@ -244,3 +244,13 @@ def test_left_alone(bag):
     path = bag({"/zed/left/image_rect_color": IMAGE, "/zed/left/camera_info": infos()[0]})
     with BagReader(path) as reader:
         assert find_stereo_topics(reader, ("left",)).images["left"] == "/zed/left/image_rect_color"
+
+
+@pytest.mark.parametrize("option", ["left", "right", "left_info", "right_info"])
+@pytest.mark.parametrize("others", [{}, {"left": LEFT, "right": RIGHT}])
+def test_a_named_topic_of_another_type_is_refused(bag, option, others) -> None:
+    topic = LEFT if option.endswith("info") else "/left/camera_info"
+    choice = TopicChoice(**{**others, option: topic})
+    with BagReader(bag(camera(LEFT, RIGHT)), choice) as reader:
+        with pytest.raises(CommandError, match=f"--{option.replace('_', '-')} {topic} is .*, expected sensor"):
+            find_stereo_topics(reader)
