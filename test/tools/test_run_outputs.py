@@ -119,6 +119,32 @@ def test_a_video_has_each_pair_at_the_cameras_rate(write_stereo_bag, scene_pairs
     assert np.count_nonzero((green - blue > 60) & (green - red > 60)) > 100  # the left line's outline
 
 
+def test_a_video_that_the_disk_has_no_room_for_is_an_error(write_stereo_bag, scene_pairs, tmp_path) -> None:
+    bag = write_stereo_bag(scene_pairs)
+    limited = """
+import resource, signal, sys
+from lane_dp_ros.tools.cli import main
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
+sys.exit(main(sys.argv[1:]))
+"""
+    before = sorted(tmp_path.rglob("*"))
+    command = [sys.executable, "-c", limited, "run", str(bag), "--video", str(tmp_path / "v.mp4")]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == 1
+    (line,) = ran.stderr.splitlines()
+    assert "v.mp4: 0 of 3 pictures can be read of it" in line
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", ["film", "film.webm"])
+def test_a_video_of_another_kind_is_refused_by_its_name(bag, tmp_path, capfd, name) -> None:
+    assert run(bag, "--video", tmp_path / name) == 1
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.endswith(f"{name}: a video is written as .mp4, such as {tmp_path / 'film.mp4'}")
+    assert not (tmp_path / name).exists()
+
+
 def test_many_bags_go_into_folders_and_one_that_fails_stops_none(bag, tmp_path, capsys) -> None:
     other = tmp_path / "other.mcap"
     with BagReader(bag) as reader, BagWriter(other) as writer:

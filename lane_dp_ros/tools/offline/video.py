@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,29 +20,56 @@ from lane_dp_ros.messages.stereo_bag import BagPair
 from lane_dp_ros.tools.offline.staged_file import staged_file
 
 CODEC = "mp4v"  # MPEG-4 part 2: of what every OpenCV can write, what most players take
+ENDING = ".mp4"
 PERIODS = 10  # pairs before which the frame rate is told
 SLOWEST, FASTEST = 1.0, 120.0  # frames a second
 
 
 @contextmanager
 def video(path: Path, force: bool = False) -> Iterator[LaneVideo]:
-    """Open a video, which appears at `path` when the block ends well. Raises as `staged_file`."""
-    with staged_file(path, force) as written:
+    """Open a video, which appears at `path` when the block ends well.
+
+    Raises as `staged_file`, and CommandError for a name that is not an .mp4's and when not every picture
+    reached the disk.
+    """
+    with staged_file(path, force) as written, _quiet_opencv():
+        if path.suffix.lower() != ENDING:
+            raise CommandError(f"{path}: a video is written as {ENDING}, such as {path.with_suffix(ENDING)}")
         lane_video = LaneVideo(written)
         try:
             yield lane_video
         finally:
             lane_video.close()
+        found = _count_pictures(written)
+        if found != lane_video.count:
+            told = f"{found} of {lane_video.count} pictures can be read of it"
+            raise CommandError(f"cannot write {path}: {told}, as when the disk is full")
+
+
+@contextmanager
+def _quiet_opencv() -> Iterator[None]:
+    """Keep OpenCV and its FFmpeg from writing to standard error what an error of ours says in a line."""
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # read when the first video is opened; -8: nothing
+    log = getattr(cv2.utils, "logging", cv2)  # in OpenCV 5, and in 4
+    before = log.setLogLevel(0)
+    try:
+        yield
+    finally:
+        log.setLogLevel(before)
 
 
 class LaneVideo:
-    """Writes an .mp4 of pictures, all in the size of the first, as fast as they were taken in the median."""
+    """Writes an .mp4 of pictures, all in the size of the first, as fast as they were taken in the median.
+
+    `count` is the number of pictures handed to the file.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._waiting: list[tuple[int, NDArray[np.uint8]]] = []
         self._writer: cv2.VideoWriter | None = None
         self._size = (0, 0)
+        self.count = 0
 
     def write(self, pair: BagPair, answer: FrameResult) -> None:
         """Append the left image of a pair with its lanes and road edges."""
@@ -84,6 +112,15 @@ class LaneVideo:
         if fitting.shape[:2] != (rows, columns):  # else OpenCV leaves it out without a word
             fitting = np.asarray(cv2.resize(picture, self._size), np.uint8)
         self._writer.write(fitting)
+        self.count += 1
+
+
+def _count_pictures(path: Path) -> int:
+    """Return the pictures that a video says it has; 0 where it cannot be opened. OpenCV's writer tells no error."""
+    film = cv2.VideoCapture(str(path))
+    count = int(film.get(cv2.CAP_PROP_FRAME_COUNT)) if film.isOpened() else 0
+    film.release()
+    return count
 
 
 def _rate(stamps_ns: list[int]) -> float:
