@@ -14,7 +14,7 @@ from typing import Any
 from lane_dp_ros.messages.bag_message import bag_message, typestore
 from lane_dp_ros.messages.bag_output import Staging, check_output
 from lane_dp_ros.messages.bag_reader import BagReader
-from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, reason
 from lane_dp_ros.messages.recording import RawMessage, latched_qos
 
 __all__ = ["STORAGES", "BagReader", "BagWriter", "RawMessage", "bag_message"]
@@ -101,4 +101,4 @@ def _writable(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, sqlite3.Error) as error:
-        raise CommandError(f"cannot write {path}: {one_line(error)}") from error
+        raise CommandError(f"cannot write {path}: {reason(error)}") from error

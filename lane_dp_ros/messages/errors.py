@@ -18,6 +18,11 @@ def one_line(error: BaseException) -> str:
     return text if len(text) <= LONGEST_LINE else f"{text[:LONGEST_LINE]} ..."
 
 
+def reason(error: BaseException) -> str:
+    """Return why a file cannot be used, without its name, for a line that has named it."""
+    return getattr(error, "strerror", None) or one_line(error)
+
+
 def quoted(value: object) -> str:
     """Return what came as Python writes it, no more of it than its start."""
     text = repr(value)

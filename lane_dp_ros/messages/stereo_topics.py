@@ -77,7 +77,9 @@ def _check_types(reader: BagReader) -> None:
             kind = reader.topics.get(topic or "")
             if kind is not None and kind not in wanted:
                 expected = " or ".join(wanted)
-                raise CommandError(f"--{option} {topic} is {kind}, expected {expected}: it has {_there(reader)}")
+                raise CommandError(
+                    f"--{option} {topic} is {kind}, expected {expected}: it has {_there(reader)}"
+                )
 
 
 def _named(reader: BagReader) -> Candidate:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, reason
 
 LARGEST_FILE = 1_000_000  # bytes; every parameter of every node of a vehicle takes a hundredth of it
 DEEPEST = 50  # levels of nesting
@@ -38,7 +38,7 @@ def load_yaml(path: Path) -> Any:
             raise CommandError(f"{path} has more than {LARGEST_FILE} bytes, a parameter file was expected")
         return yaml.load(data.decode("utf-8-sig"), _loader())
     except (OSError, yaml.YAMLError, ValueError, LookupError, TypeError, RecursionError) as error:
-        raise CommandError(f"{path} cannot be read: {one_line(error)[:200]}") from None
+        raise CommandError(f"{path} cannot be read: {reason(error)[:200]}") from None
 
 
 @lru_cache(maxsize=1)

@@ -252,5 +252,7 @@ def test_a_named_topic_of_another_type_is_refused(bag, option, others) -> None:
     topic = LEFT if option.endswith("info") else "/left/camera_info"
     choice = TopicChoice(**{**others, option: topic})
     with BagReader(bag(camera(LEFT, RIGHT)), choice) as reader:
-        with pytest.raises(CommandError, match=f"--{option.replace('_', '-')} {topic} is .*, expected sensor"):
+        with pytest.raises(
+            CommandError, match=f"--{option.replace('_', '-')} {topic} is .*, expected sensor"
+        ):
             find_stereo_topics(reader)

@@ -103,7 +103,7 @@ def test_a_bag_that_was_cut_off(tmp_path, capsys, command, storage) -> None:
 
 def test_an_output_that_cannot_be_written(tmp_path, capsys) -> None:
     assert convert(sequence(tmp_path), Path("/proc/none/bag")) == 1
-    assert "cannot write /proc/none/bag" in only_line(capsys)
+    assert only_line(capsys) == "lane_dp: cannot write /proc/none/bag: No such file or directory"
     (tmp_path / "file").touch()
     assert main(["demo", "-o", str(tmp_path / "file")]) == 1
     assert "cannot write" in only_line(capsys)
@@ -119,6 +119,26 @@ def test_the_input_is_never_replaced_by_the_output(tmp_path, capsys, inside) -> 
     assert "is the input bag itself" in only_line(capsys)
     with BagReader(bag) as reader:
         assert reader.message_count() == 13
+
+
+@pytest.mark.parametrize("arguments", [["dump-config", "--expert"], ["scenes", "--list"]])
+def test_a_reader_that_has_seen_enough_hears_of_no_error(arguments) -> None:
+    command = [*CLI, *arguments]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.close()  # long before the command, which has yet to start, prints
+        assert process.stderr is not None
+        assert process.stderr.read() == b""
+    assert process.returncode == 141  # as the shell has it of SIGPIPE
+
+
+def test_evaluate_names_the_file_that_is_not_there(tmp_path, capsys) -> None:
+    assert main(["evaluate", str(tmp_path / "none.mcap")]) == 1
+    assert only_line(capsys).endswith("none.mcap: no such bag or folder")
+    assert convert(sequence(tmp_path), tmp_path / "bag.mcap") == 0
+    capsys.readouterr()
+    assert main(["evaluate", str(tmp_path / "bag.mcap"), "--truth", str(tmp_path / "truth.json")]) == 1
+    assert "truth.json: no such file, expected labels" in only_line(capsys)
 
 
 def test_a_failed_convert_leaves_nothing(tmp_path, capsys) -> None:

@@ -176,6 +176,24 @@ def test_bags_of_one_name_are_refused_before_any_work(bag, tmp_path, capsys) -> 
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("option", ["-o", "--video", "--csv"])
+def test_a_file_where_the_folder_of_many_outputs_is_to_be(bag, tmp_path, capsys, option) -> None:
+    file = tmp_path / "out.x"
+    file.write_text("mine")
+    for bags in ([bag, tmp_path / "other.mcap"], [bag, "--skip-existing"]):
+        assert run(*bags, option, file) == 1
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        (line,) = captured.err.splitlines()
+        assert f"{file} is no folder" in line
+    assert file.read_text() == "mine"
+
+
+def test_a_bag_that_is_named_twice_is_one(bag, tmp_path, capsys) -> None:
+    assert run(bag, bag, "-o", tmp_path / "out", "--no-images") == 0
+    assert "1 bags: 1 done, 0 skipped, 0 failed" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("option", ["-o", "--video", "--csv", "--parquet"])
 def test_no_output_is_replaced_or_left_half_written(bag, tmp_path, capsys, option) -> None:
     if option == "--parquet":

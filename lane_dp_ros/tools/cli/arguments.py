@@ -45,9 +45,8 @@ def topic_choice(arguments: argparse.Namespace) -> TopicChoice:
 
 def add_output(command: argparse.ArgumentParser) -> None:
     """Add --output and --force, of a command that writes a bag."""
-    command.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="OUT", help="the bag to write, a folder"
-    )
+    bag = "the bag to write: a file if it ends in .mcap, or a folder; of sqlite3 always a folder"
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help=bag)
     command.add_argument("--force", action="store_true", help="replace OUT if it is a bag")
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
@@ -43,7 +44,12 @@ COMMANDS = (
     fit_evidence,
     dump_config,
 )
-KNOWN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143  # exit codes; the last two as the shell has them
+KNOWN_ERROR, INTERRUPTED, BROKEN_PIPE, TERMINATED = (
+    1,
+    130,
+    141,
+    143,
+)  # exit codes; the last three as of signals
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -55,6 +61,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with _ended_by_sigterm(), remarks_on_stderr():
             arguments.run(arguments)
+            sys.stdout.flush()
+    except BrokenPipeError:  # who read the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
     except (CommandError, ValueError, OSError) as error:
         print(f"lane_dp: {one_line(error)}", file=sys.stderr)
         return KNOWN_ERROR

@@ -9,7 +9,7 @@ import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, one_line, reason
 from lane_dp_ros.tools.cli.arguments import add_config, add_jobs, add_topics, port, topic_choice
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def _export(review: Review, path: Path) -> None:
         else:
             path.write_text(answer["text"], encoding="utf-8")
     except OSError as error:
-        raise CommandError(f"cannot write {path}: {one_line(error)}") from None
+        raise CommandError(f"cannot write {path}: {reason(error)}") from None
     print(f"{path}: lines of {answer['frames']} frames")
 
 

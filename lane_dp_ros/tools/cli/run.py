@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
 def _run_many(arguments: argparse.Namespace, outputs: Outputs, config: Any) -> None:
     from lane_dp_ros.tools.offline.run_bags import run_bags
 
-    bags, failures, skipped = arguments.bags, [], 0
+    bags, failures, skipped = list(dict.fromkeys(arguments.bags)), [], 0
     topics = topic_choice(arguments)
     for ran in run_bags(bags, outputs, config, arguments.jobs, arguments.skip_existing, topics):
         if ran.failure:

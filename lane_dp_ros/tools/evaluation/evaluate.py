@@ -78,8 +78,12 @@ def evaluate_path(path: Path, truth: Path | None, choice: DetectorChoice) -> Eva
     """
     if (path / SCENES_BAG).exists():
         path, truth = path / SCENES_BAG, truth or path / SCENES_TRUTH
+    if not path.exists():
+        raise CommandError(f"{path}: no such bag or folder")
     if truth is None:
         raise CommandError(f"{path} needs --truth FILE, or --unpainted if none of its frames has any paint")
+    if not truth.is_file():
+        raise CommandError(f"{truth}: no such file, expected labels: docs/truth_format.md, or lane_dp review")
     frames = load_truth(truth)
     if not frames:
         raise CommandError(f"{truth} has no frames, expected at least one")

@@ -118,9 +118,10 @@ def run_bags(
     """Yield how it went with each bag, one after the other; one that fails does not stop the rest.
 
     `outputs` are folders, which are made; `choice` are the topics of the stereo cameras. With `skip_existing`
-    a bag whose files are all there is left out. Raises CommandError for bags whose files would have one name,
-    before anything is done.
+    a bag whose files are all there is left out. Raises CommandError for a file where a folder is to be, and for
+    bags whose files would have one name, before anything is done.
     """
+    _check_folders(outputs)
     files = {bag: outputs.of(bag) for bag in bags}
     _check_names(files)
     for bag, wanted in files.items():
@@ -131,6 +132,12 @@ def run_bags(
             yield Ran(bag, run_bag(bag, wanted, config, jobs, choice))
         except (CommandError, ValueError, OSError) as error:
             yield Ran(bag, failure=one_line(error))
+
+
+def _check_folders(outputs: Outputs) -> None:
+    for path in outputs.paths:
+        if os.path.lexists(path) and not path.is_dir():
+            raise CommandError(f"{path} is no folder: of several bags, or with --skip-existing, outputs are")
 
 
 def _check_names(files: dict[Path, Outputs]) -> None:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lane_dp_ros.messages.bag_output import Staging, check_file_output
-from lane_dp_ros.messages.errors import CommandError, one_line
+from lane_dp_ros.messages.errors import CommandError, reason
 
 
 @contextmanager
@@ -37,4 +37,4 @@ def _writable(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise CommandError(f"cannot write {path}: {one_line(error)}") from error
+        raise CommandError(f"cannot write {path}: {reason(error)}") from error
