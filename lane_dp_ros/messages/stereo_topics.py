@@ -50,8 +50,8 @@ def find_stereo_topics(reader: BagReader, sides: Sequence[Side] = SIDES) -> Ster
     A guess goes by type and name (left and right, infra1 and infra2 ...), else by the baseline between two
     CameraInfos; of one camera's images raw ones come before compressed ones, topics without messages do not
     count. A guess of other names than the node's is told. With `sides` left alone the right side may be
-    missing. Raises CommandError, listing what is there and how to name it, for no camera or several, and for a named topic
-    that is of another type.
+    missing. Raises CommandError, listing what is there and how to name it, for no camera or several, and for
+    a named topic of another type.
     """
     choice = reader.choice
     _check_types(reader)

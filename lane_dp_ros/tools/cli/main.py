@@ -49,7 +49,7 @@ KNOWN_ERROR, INTERRUPTED, BROKEN_PIPE, TERMINATED = (
     130,
     141,
     143,
-)  # exit codes; the last three as of signals
+)  # the last three as the shell has them
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -116,7 +116,7 @@ class LaneVideo:
 
 
 def _count_pictures(path: Path) -> int:
-    """Return the pictures that a video says it has; 0 where it cannot be opened. OpenCV's writer tells no error."""
+    """Return how many pictures can be read of a video: OpenCV's writer tells of no error."""
     film = cv2.VideoCapture(str(path))
     count = int(film.get(cv2.CAP_PROP_FRAME_COUNT)) if film.isOpened() else 0
     film.release()
