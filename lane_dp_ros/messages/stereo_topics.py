@@ -76,10 +76,8 @@ def _check_types(reader: BagReader) -> None:
         for topic, option, wanted in named:
             kind = reader.topics.get(topic or "")
             if kind is not None and kind not in wanted:
-                expected = " or ".join(wanted)
-                raise CommandError(
-                    f"--{option} {topic} is {kind}, expected {expected}: it has {_there(reader)}"
-                )
+                told = f"--{option} {topic} is {kind}, expected {' or '.join(wanted)}"
+                raise CommandError(f"{told}; {reader.path} has {_there(reader)}")
 
 
 def _named(reader: BagReader) -> Candidate:

@@ -44,12 +44,8 @@ COMMANDS = (
     fit_evidence,
     dump_config,
 )
-KNOWN_ERROR, INTERRUPTED, BROKEN_PIPE, TERMINATED = (
-    1,
-    130,
-    141,
-    143,
-)  # the last three as the shell has them
+# Exit codes; the last three as the shell has them.
+KNOWN_ERROR, INTERRUPTED, BROKEN_PIPE, TERMINATED = 1, 130, 141, 143
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -118,7 +118,7 @@ def run_bags(
     """Yield how it went with each bag, one after the other; one that fails does not stop the rest.
 
     `outputs` are folders, which are made; `choice` are the topics of the stereo cameras. With `skip_existing`
-    a bag whose files are all there is left out. Raises CommandError, before anything is done, for a file where
+    a bag whose files are all there is left out. Raises CommandError before anything is done: for a file where
     a folder is to be, and for bags whose files would have one name.
     """
     _check_folders(outputs)
