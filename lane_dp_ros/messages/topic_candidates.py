@@ -20,7 +20,8 @@ IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 COMPRESSED_ENDING = "/compressed"  # of what image_transport compresses as JPEG or PNG
 INFO = "sensor_msgs/msg/CameraInfo"
 BASELINES = (0.02, 3.0)  # m; of cameras on a vehicle
-_SIDES = (("left", "right"), ("infra1", "infra2"), ("infra_1", "infra_2"), ("cam0", "cam1"))
+# Words for left and right; of a name with several kinds the first here counts: a rig may be called cam1.
+_SIDES = (("infra1", "infra2"), ("infra_1", "infra_2"), ("left", "right"), ("cam0", "cam1"))
 _NO_PICTURE = re.compile("depth|disparity|confidence|mask|overlay|/zstd$", re.IGNORECASE)
 _LEVELS = 3  # above an image's topic at which its camera_info may be
 
@@ -141,8 +142,10 @@ def first_message(reader: BagReader, topic: str) -> Any | None:
 
 def _images(reader: BagReader) -> Iterator[str]:
     prefix = reader.choice.prefix
+    whole = f"{prefix.rstrip('/')}/"  # /cam1 is not /cam10, where both are there
+    begins = whole if any(topic.startswith(whole) for topic in reader.topics) else prefix
     for topic, kind in reader.topics.items():
-        if kind in (IMAGE, COMPRESSED) and topic.startswith(prefix) and not _NO_PICTURE.search(topic):
+        if kind in (IMAGE, COMPRESSED) and topic.startswith(begins) and not _NO_PICTURE.search(topic):
             yield topic
 
 
@@ -170,9 +173,11 @@ def _word(word: str) -> re.Pattern[str]:
 
 
 def _side(topic: str) -> re.Match[str] | None:
-    """Return where a topic's name first says a side."""
-    found = (_word(word).search(topic) for pair in _SIDES for word in pair)
-    return min((match for match in found if match), key=lambda match: match.start(), default=None)
+    """Return where a topic's name first says a side, by the first of the pairs of words that it has."""
+    for pair in _SIDES:
+        if found := [match for word in pair if (match := _word(word).search(topic))]:
+            return min(found, key=lambda match: match.start())
+    return None
 
 
 def _is_left(topic: str) -> bool:

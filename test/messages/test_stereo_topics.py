@@ -256,3 +256,21 @@ def test_a_named_topic_of_another_type_is_refused(bag, option, others) -> None:
             CommandError, match=f"--{option.replace('_', '-')} {topic} is .*, expected sensor"
         ):
             find_stereo_topics(reader)
+
+
+def test_cameras_whose_names_begin_alike(bag) -> None:
+    rigs = ("/cam1", "/cam10", "/front")
+    path = bag({k: v for rig in rigs for k, v in camera(f"{rig}/left/image", f"{rig}/right/image").items()})
+    named = {
+        "/cam1": "/cam1",
+        "cam1/": "/cam1",
+        "/cam10": "/cam10",
+        "front": "/front",
+        "/fro": "/front",
+    }
+    for given, rig in named.items():
+        with BagReader(path, TopicChoice(camera=given)) as reader:
+            found = find_stereo_topics(reader)
+        assert found.images == {"left": f"{rig}/left/image", "right": f"{rig}/right/image"}
+    with BagReader(path) as reader, pytest.raises(CommandError, match="/cam1/, /cam10/, /front/"):
+        find_stereo_topics(reader)

@@ -132,6 +132,15 @@ def test_a_reader_that_has_seen_enough_hears_of_no_error(arguments) -> None:
     assert process.returncode == 141  # as the shell has it of SIGPIPE
 
 
+def test_results_that_cannot_be_printed() -> None:
+    arguments = " ".join([*CLI, "scenes", "--list"])
+    options = {"shell": True, "cwd": ROOT, "capture_output": True, "text": True}
+    full = subprocess.run(f"{arguments} > /dev/full", check=False, **options)
+    assert (full.returncode, full.stderr) == (1, "lane_dp: [Errno 28] No space left on device\n")
+    closed = subprocess.run(f"{arguments} >&-", check=False, **options)
+    assert (closed.returncode, closed.stderr) == (0, "")
+
+
 def test_evaluate_names_the_file_that_is_not_there(tmp_path, capsys) -> None:
     assert main(["evaluate", str(tmp_path / "none.mcap")]) == 1
     assert only_line(capsys).endswith("none.mcap: no such bag or folder")

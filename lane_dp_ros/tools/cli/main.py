@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with _ended_by_sigterm(), remarks_on_stderr():
             arguments.run(arguments)
-            sys.stdout.flush()
+            print(end="", flush=True)  # an error in writing is told here
     except BrokenPipeError:  # who read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
