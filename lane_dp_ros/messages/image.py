@@ -33,10 +33,25 @@ ENCODINGS = {
     "bgra8": Encoding(4, 1, cv2.COLOR_BGRA2BGR),
     "rgba8": Encoding(4, 1, cv2.COLOR_RGBA2BGR),
     "mono16": Encoding(1, 2, None),
-    "bayer_rggb8": Encoding(1, 1, cv2.COLOR_BayerRGGB2BGR),
-    "bayer_bggr8": Encoding(1, 1, cv2.COLOR_BayerBGGR2BGR),
-    "bayer_gbrg8": Encoding(1, 1, cv2.COLOR_BayerGBRG2BGR),
-    "bayer_grbg8": Encoding(1, 1, cv2.COLOR_BayerGRBG2BGR),
+    "bgr16": Encoding(3, 2, None),
+    "rgb16": Encoding(3, 2, cv2.COLOR_RGB2BGR),
+    "8UC1": Encoding(1, 1, None),
+    "8UC3": Encoding(3, 1, None),
+    "16UC1": Encoding(1, 2, None),
+    "uyvy": Encoding(2, 1, cv2.COLOR_YUV2BGR_UYVY),
+    "yuv422": Encoding(2, 1, cv2.COLOR_YUV2BGR_UYVY),
+    "yuyv": Encoding(2, 1, cv2.COLOR_YUV2BGR_YUY2),
+    "yuv422_yuy2": Encoding(2, 1, cv2.COLOR_YUV2BGR_YUY2),
+    **{
+        f"bayer_{pattern}{8 * depth_bytes}": Encoding(1, depth_bytes, code)
+        for pattern, code in (
+            ("rggb", cv2.COLOR_BayerRGGB2BGR),
+            ("bggr", cv2.COLOR_BayerBGGR2BGR),
+            ("gbrg", cv2.COLOR_BayerGBRG2BGR),
+            ("grbg", cv2.COLOR_BayerGRBG2BGR),
+        )
+        for depth_bytes in (1, 2)
+    },
 }
 # Bytes without which a compressed image was cut off: decoders fill the missing rows with gray.
 ENDS = {"JPEG": (b"\xff\xd8\xff", b"\xff\xd9"), "PNG": (b"\x89PNG", b"IEND")}
@@ -88,13 +103,15 @@ def _side(side: str, msg: Any) -> NDArray[Any]:
 
 
 def _pixels(msg: Any) -> NDArray[Any]:
-    """Return the pixels, uint8 (H, W) or (H, W, 3) BGR or uint16 (H, W), of a sensor_msgs/Image."""
+    """Return the pixels, uint8 or uint16, (H, W) or (H, W, 3) BGR, of a sensor_msgs/Image."""
     encoding = ENCODINGS.get(msg.encoding)
     if encoding is None:
         raise ValueError(f"encoding is {msg.encoding!r}, expected one of {', '.join(ENCODINGS)}")
     height, width, step = int(msg.height), int(msg.width), int(msg.step)
     if height < 1 or width < 1:
         raise ValueError(f"size is {width}x{height}, expected at least 1x1")
+    if encoding.channels == 2 and width % 2:
+        raise ValueError(f"{width} columns of {msg.encoding}, expected an even number: two share a colour")
     row_bytes = width * encoding.channels * encoding.depth_bytes
     if step < row_bytes:
         raise ValueError(f"step is {step} bytes, expected >= {row_bytes} ({width} px of {msg.encoding})")
@@ -104,7 +121,7 @@ def _pixels(msg: Any) -> NDArray[Any]:
         raise ValueError(f"data has {data.size} bytes, expected {expected}")
     rows = np.ascontiguousarray(data[: step * height].reshape(height, step)[:, :row_bytes])
     if encoding.depth_bytes == 2:
-        return rows.view(">u2" if msg.is_bigendian else "<u2").astype(np.uint16, copy=False)
+        rows = rows.view(">u2" if msg.is_bigendian else "<u2").astype(np.uint16, copy=False)
     pixels = rows if encoding.channels == 1 else rows.reshape(height, width, encoding.channels)
     return pixels if encoding.to_bgr is None else cv2.cvtColor(pixels, encoding.to_bgr)
 
@@ -117,10 +134,20 @@ def _decoded(msg: Any) -> NDArray[Any]:
         raise ValueError(f"format is {msg.format!r}, {len(data)} bytes, expected a JPEG or PNG image")
     if ENDS[kind][1] not in data:
         raise ValueError(f"{kind} data ends early after {len(data)} bytes, expected a whole image")
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
+    flags = (
+        cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
+    )  # as the CameraInfo has it
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
     if image is None:
         raise ValueError(f"{kind} data of {len(data)} bytes cannot be decoded, expected a whole image")
-    mosaic = ENCODINGS.get(msg.format.partition(";")[0].strip())  # "bayer_rggb8; png compressed ..."
+    return _without_mosaic(image, msg.format)
+
+
+def _without_mosaic(image: NDArray[Any], form: str) -> NDArray[Any]:
+    """Return a picture, a mosaic in colour: "bayer_rggb8; jpeg compressed mono8" holds none any more."""
+    camera, _, packing = form.partition(";")
+    packed = packing.partition("compressed")[2].strip()
+    mosaic = ENCODINGS.get(packed or camera.strip())
     if image.ndim == 2 and mosaic is not None and mosaic.channels == 1 and mosaic.to_bgr is not None:
         return cv2.cvtColor(image, mosaic.to_bgr)
     return image

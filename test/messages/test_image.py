@@ -45,16 +45,26 @@ def image_message(pixels, encoding, padding=0, big_endian=False):
 def random_pixels(encoding, height=12, width=17):
     channels, depth_bytes, _ = ENCODINGS[encoding]
     dtype = np.uint8 if depth_bytes == 1 else np.uint16
+    width -= channels == 2  # two columns share a colour
     shape = (height, width) if channels == 1 else (height, width, channels)
     return RNG.integers(0, np.iinfo(dtype).max, shape, dtype, endpoint=True)
 
 
-@pytest.mark.parametrize("encoding", sorted(set(ENCODINGS) - {"mono16"}))
+@pytest.mark.parametrize("encoding", sorted(ENCODINGS))
 @pytest.mark.parametrize("padding", [0, 5])
 def test_every_encoding_reads_as_the_rosbags_library_reads_it(encoding, padding):
     pixels = random_pixels(encoding)
-    expected = message_to_cvimage(image_message(pixels, encoding), None if encoding == "mono8" else "bgr8")
+    pixels.flat[0] = np.iinfo(pixels.dtype).max  # all bits of 16 are in use
+    as_it_is = encoding in ("mono8", "mono16", "8UC1", "8UC3", "16UC1")
+    wanted = None if as_it_is else f"bgr{8 * pixels.itemsize}"
+    expected = message_to_cvimage(image_message(pixels, encoding), wanted)
+    expected = expected >> 8 if expected.dtype == np.uint16 else expected
     np.testing.assert_array_equal(image_from_ros(image_message(pixels, encoding, padding)), expected)
+
+
+def test_half_a_pixel_of_uyvy_is_refused():
+    with pytest.raises(ValueError, match="17 columns of uyvy, expected an even number"):
+        image_from_ros(image_message(np.zeros((4, 17, 2), np.uint8), "uyvy"))
 
 
 @pytest.mark.parametrize(
@@ -101,7 +111,7 @@ def changed(**fields):
 @pytest.mark.parametrize(
     ("fields", "match"),
     [
-        ({"encoding": "yuv422"}, r"encoding is 'yuv422', expected one of mono8, bgr8"),
+        ({"encoding": "32FC1"}, r"encoding is '32FC1', expected one of mono8, bgr8"),
         ({"encoding": ""}, r"encoding is '', expected one of"),
         ({"height": 0}, r"size is 17x0, expected at least 1x1"),
         ({"width": 0}, r"size is 0x12, expected at least 1x1"),
@@ -152,6 +162,20 @@ def test_a_16_bit_png_is_scaled_like_mono16():
     pixels = np.array([[0, 2048, 4095]], np.uint16)
     msg = compressed(pixels, ".png", "mono16; png compressed")
     assert compressed_image_from_ros(msg).tolist() == [[0, 128, 255]]
+
+
+def test_a_gray_jpeg_of_a_bayer_camera_is_no_mosaic():
+    scene = np.tile(np.uint8([[200, 0], [0, 0]]), (5, 5))
+    msg = compressed(scene, ".png", "bayer_rggb8; png compressed mono8")
+    np.testing.assert_array_equal(compressed_image_from_ros(msg), scene)
+
+
+def test_the_orientation_in_a_jpeg_is_ignored():
+    whole = bytes(compressed(np.zeros((40, 60), np.uint8), ".jpg", "jpeg").data)
+    turned = b"\xff\xe1\x00\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
+    msg = CompressedImage(format="jpeg", data=whole[:2] + turned + whole[2:])
+    assert cv2.imdecode(np.frombuffer(msg.data, np.uint8), cv2.IMREAD_GRAYSCALE).shape == (60, 40)
+    assert compressed_image_from_ros(msg).shape == (40, 60)
 
 
 def test_a_bayer_png_is_demosaiced():
