@@ -80,7 +80,7 @@ def test_a_camera_info_of_another_size(rig):
 @pytest.mark.parametrize(
     ("field", "value", "message"),
     [
-        ("encoding", "yuv422", "right image: encoding is 'yuv422', expected one of mono8, bgr8"),
+        ("encoding", "32FC1", "right image: encoding is '32FC1', expected one of mono8, bgr8"),
         ("data", array.array("B", [1, 2, 3]), "right image: data has 3 bytes, expected 1397250"),
         ("width", 0, "right image: size is 0x375, expected at least 1x1"),
         ("step", 0, "right image: step is 0 bytes, expected >= 3726"),
@@ -203,14 +203,14 @@ def test_a_complaint_is_logged_once_and_not_at_every_report(rig, scene_pair):
     logged = []
     rig.listen(Log, "/rosout", logged.append)
     broken = rig.image(scene_pair[1])
-    broken.encoding = "yuv422"
+    broken.encoding = "32FC1"
     rig.send_infos()
 
     def reported_thrice():
         rig.send(right=broken)
-        return sum("yuv422" in status.message for status in rig.statuses) >= 3
+        return sum("32FC1" in status.message for status in rig.statuses) >= 3
 
     rig.wait(reported_thrice)
-    complaints = [log for log in logged if "encoding is 'yuv422', expected one of mono8" in log.msg]
+    complaints = [log for log in logged if "encoding is '32FC1', expected one of mono8" in log.msg]
     assert [log.level for log in complaints] == [Log.ERROR[0] if isinstance(Log.ERROR, bytes) else Log.ERROR]
     assert "\n" not in complaints[0].msg

@@ -115,7 +115,7 @@ def broken_stereo_bag(write_stereo_bag, scene_pairs, path: Path) -> Path:
     with BagReader(write_stereo_bag(pairs)) as reader, BagWriter(path) as writer:
         for topic, time_ns, message in reader.messages():
             if topic == "/left/image_rect" and time_ns == pairs[4].stamp_ns:
-                message.encoding = "yuv422"
+                message.encoding = "32FC1"
             if topic.endswith("image_rect") and time_ns == pairs[7].stamp_ns:
                 message.height -= 10
             writer.write(topic, time_ns, message)
@@ -129,7 +129,7 @@ def test_two_processes_write_what_one_does(write_stereo_bag, scene_pairs, tmp_pa
         with BagReader(run(bag, output=f"out{jobs}", jobs=jobs)) as reader:
             raw.append(list(reader.raw_messages()))
         out = capsys.readouterr().out
-        assert "1 x left image: encoding is 'yuv422'" in out
+        assert "1 x left image: encoding is '32FC1'" in out
         assert "365, their CameraInfo says" in out
         assert f"pairs/s, {jobs} process" in out
     assert raw[0] == raw[1]
@@ -317,10 +317,10 @@ def test_images_that_cannot_be_read_are_skipped(write_stereo_bag, scene_pairs, t
     with BagReader(write_stereo_bag(scene_pairs)) as reader, BagWriter(tmp_path / "odd") as writer:
         for topic, time_ns, message in reader.messages():
             if topic == "/left/image_rect" and time_ns == scene_pairs[0].stamp_ns:
-                message.encoding = "yuv422"
+                message.encoding = "32FC1"
             writer.write(topic, time_ns, message)
     assert len(written(run(tmp_path / "odd"))["/lanes"]) == 2
-    assert "1 x left image: encoding is 'yuv422'" in capsys.readouterr().out
+    assert "1 x left image: encoding is '32FC1'" in capsys.readouterr().out
 
 
 def test_the_input_is_never_the_output(write_stereo_bag, scene_pairs, capsys) -> None:

@@ -226,10 +226,10 @@ def test_a_frame_without_its_picture_is_told_and_can_be_passed(
     with BagReader(drive_bag) as reader, BagWriter(tmp_path / "odd") as writer:
         for topic, time_ns, message in reader.messages():
             if "image" in topic and message.data[-1] == 60:  # the first frame's
-                message.encoding = "yuv422"
+                message.encoding = "32FC1"
             writer.write(topic, time_ns, message)
     page = open_page(start_review(tmp_path / "odd").url, picture=False)
-    page.until_said("The picture of frame 1 cannot be shown: encoding is 'yuv422', expected one of mono8")
+    page.until_said("The picture of frame 1 cannot be shown: encoding is '32FC1', expected one of mono8")
     assert len(page.all("#canvas polygon")) == 2
     page.type("4", "0")
     page.until_frame(2)
