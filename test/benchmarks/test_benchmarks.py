@@ -241,7 +241,7 @@ def test_a_label_that_is_not_found_is_named_with_what_refused_it(pairs):
     assert [line for line in lines if not line.startswith("  ")] == [f"road/00 {label}:" for label in labels]
     why = [line for line in lines if line.startswith("  path, 0.0")]
     assert len(why) >= 3
-    assert all(re.search(r"m of paint: 0\.1\d m broad \(\w+ -\d", text) for text in why)
+    assert all(re.search(r"m of paint: (0\.1\d m broad|a road edge) \(\w+ -\d", text) for text in why)
 
 
 def test_what_costs_a_line_most_is_told_first():
@@ -322,7 +322,7 @@ def test_the_frames_are_judged_in_a_mirror_and_at_other_exposures(ways):
     numbers = np.array([row.split()[-11:] for row in ways], float)
     markings, _, missed, precision = numbers.T[:4]
     assert np.all(markings == 81)
-    assert min(precision) > 0.85 and max(precision) < 1
+    assert min(precision) > 0.8 and max(precision) < 1
     assert len(set(missed)) > 1 and len(np.unique(numbers, axis=0)) == 6  # each way is judged by itself
 
 

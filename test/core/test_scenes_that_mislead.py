@@ -4,7 +4,6 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 
@@ -95,9 +94,7 @@ def test_gutter_stones_are_no_lines(seed):
 
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("apart", [0.2, 0.3])
-def test_asphalt_between_two_cracks_is_no_line(seed, apart, request):
-    if (apart, seed) == (0.3, 2) and cv2.__version__.startswith("4."):
-        request.applymarker(pytest.mark.xfail(strict=True, reason="two cracks that pass for a worn line"))
+def test_asphalt_between_two_cracks_is_no_line(seed, apart):
     cracks = tuple((n + aside, TAR) for n in (-1.8, 1.7) for aside in (-apart / 2, apart / 2))
     road = Road(swing=0, lines=(UNPAINTED,) * 3, strips=cracks)
     assert detected(road, seed)[1].lanes == ()

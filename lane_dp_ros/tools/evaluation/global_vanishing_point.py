@@ -98,7 +98,7 @@ def lanes(left: Image, right: Image, camera: StereoCamera) -> list[Floats]:
 
 
 def vanishing_point(grey: Image, camera: StereoCamera) -> tuple[float, float] | None:
-    """Return the pixel (u, v) where most of the length of straight edges meets, None without such edges."""
+    """Return the pixel (u, v) where most of the length of straight edges meets, None without any in view."""
     u1, v1, u2, v2 = _segments(grey, camera)
     if not len(u1):
         return None
@@ -107,6 +107,8 @@ def vanishing_point(grey: Image, camera: StereoCamera) -> tuple[float, float] | 
     column = np.floor((crossing - camera.cx + VP_COLUMNS) / VP_CELL).astype(np.intp)
     size = len(rows), 2 * VP_COLUMNS // VP_CELL
     inside = (column >= 0) & (column < size[1])
+    if not inside.any():
+        return None
     cell = np.arange(size[0])[:, None] * size[1] + column
     length = np.broadcast_to(np.hypot(u2 - u1, v2 - v1), cell.shape)
     votes = np.bincount(cell[inside], length[inside], size[0] * size[1]).reshape(size)

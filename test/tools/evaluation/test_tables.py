@@ -173,7 +173,7 @@ def installed_package(tmp_path_factory) -> Path:
     shutil.copytree(
         SOURCE / "lane_dp_ros", copy / "lane_dp_ros", ignore=shutil.ignore_patterns("__pycache__")
     )
-    for name in ("setup.py", "README.md"):  # the second is its long description
+    for name in ("setup.py", "README.md"):
         shutil.copy(SOURCE / name, copy)
     build = [sys.executable, "setup.py", "--quiet", "build_py", "--build-lib", str(copy.parent / "installed")]
     subprocess.run(build, cwd=copy, check=True, capture_output=True)
