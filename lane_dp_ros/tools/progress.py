@@ -14,6 +14,8 @@ LOG_PERIOD = 30.0  # s between the lines where there is no terminal
 
 def progress(items: Iterable[Any], total: int, unit: str) -> Iterable[Any]:
     """Yield `items` behind a progress bar on standard error; without a terminal a line every 30 s."""
+    if sys.stderr is None:  # closed, as some daemons start their children
+        return items
     from tqdm import tqdm
 
     if sys.stderr.isatty():

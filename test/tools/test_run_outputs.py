@@ -249,6 +249,14 @@ def test_a_log_gets_a_plain_line_now_and_then(monkeypatch, capsys) -> None:
     assert capsys.readouterr().err == ""
 
 
+def test_nobody_needs_to_hear_of_the_progress(bag, tmp_path) -> None:
+    command = f"{sys.executable} -m lane_dp_ros.tools.cli run {bag} --csv {tmp_path / 'out.csv'} 2>&-"
+    ran = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60, check=False)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert (tmp_path / "out.csv").exists()
+    assert "pairs/s" in ran.stdout
+
+
 def test_the_foxglove_layout_shows_what_run_writes(write_stereo_bag, scene_pairs, tmp_path) -> None:
     layout = json.loads((CONFIG / "foxglove_lanes.json").read_text())
     assert run(write_stereo_bag(scene_pairs[:1]), "-o", tmp_path / "out.mcap", "--left-image") == 0
