@@ -70,7 +70,9 @@ class BagPlayer:
         for topic, name in _played_names(reader, clock).items():
             message_class = _message_class(type_name := reader.topics[topic])
             if message_class is None:
-                node.get_logger().warning(f"{topic} is left out: its type {type_name} is not installed")
+                # Poses are for viewers, of which there are none without tf2: nobody is to be told.
+                if not type_name.startswith("tf2_msgs/"):
+                    node.get_logger().warning(f"{topic} is left out: its type {type_name} is not installed")
                 continue
             try:
                 qos = offered_qos(reader.offered_qos(topic))

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 PAIR_SPACING = 2_000_000_000  # ns between single pairs: more than the 1 s after which the node forgets
 GRAY, COLOUR = (0, 1), (2, 3)  # numbers of KITTI's left and right cameras
-ENDINGS = (".png", ".jpg", ".jpeg")  # of pictures; the first that there is counts
+ENDINGS = (".png", ".jpg", ".jpeg")  # of pictures; of one in several forms the first counts
 
 Calibration = tuple[CameraCalibration, CameraCalibration]  # left and right
 
@@ -174,23 +174,23 @@ def _cameras(folder: Path, pattern: str, wanted: str) -> tuple[int, int]:
 
 def _image_pairs(sides: list[Path], pattern: str = "*") -> tuple[list[Path], list[Path]]:
     """Return the left and right pictures, which must bear the same names."""
-    left, right = sides
-    found = [{ending: _pictures(side, pattern, ending) for ending in ENDINGS} for side in sides]
-    ending = next((each for each in ENDINGS if found[0][each] or found[1][each]), None)
-    if ending is None:
+    left, right = (_pictures(side, pattern) for side in sides)
+    if not left and not right:
         looked = (side / f"{pattern}{ENDINGS[0]}" for side in sides)
         raise CommandError("no images: looked for {} and {}, or .jpg".format(*looked))
-    names = [each[ending] for each in found]
-    if odd := sorted(set(names[0]) ^ set(names[1])):
+    if odd := sorted(left.keys() ^ right.keys()):
         raise CommandError(
-            f"{len(names[0])} images in {left} and {len(names[1])} in {right}, "
-            f"expected the same names in both: {odd[0]} has no partner"
+            f"{len(left)} images in {sides[0]} and {len(right)} in {sides[1]}, "
+            f"expected the same names in both: {(left | right)[odd[0]].name} has no partner"
         )
-    return [left / name for name in names[0]], [right / name for name in names[1]]
+    return list(left.values()), list(right.values())
 
 
-def _pictures(folder: Path, pattern: str, ending: str) -> list[str]:
-    return sorted(path.name for path in folder.glob(f"{pattern}.*") if path.suffix.lower() == ending)
+def _pictures(folder: Path, pattern: str) -> dict[str, Path]:
+    """Return the pictures of a folder by their names without ending, in order; of two alike the .png."""
+    found = [path for path in folder.glob(f"{pattern}.*") if path.suffix.lower() in ENDINGS]
+    found.sort(key=lambda path: (path.stem, -ENDINGS.index(path.suffix.lower())))
+    return {path.stem: path for path in found}
 
 
 def _single_calibration(left: Path) -> Calibration:

@@ -253,6 +253,18 @@ def test_pictures_as_jpeg(tmp_path: Path, ending: str) -> None:
     assert len(converted(read_odometry(folder), tmp_path / "bag")["/left/image_rect"]) == 3
 
 
+def test_pictures_of_several_kinds_in_one_folder(tmp_path: Path) -> None:
+    folder = odometry(tmp_path)
+    last = sorted((folder / "image_1").glob("*.png"))[-1]
+    cv2.imwrite(str(last.with_suffix(".jpg")), cv2.imread(str(last), cv2.IMREAD_UNCHANGED))
+    left, right = read_odometry(folder).left, read_odometry(folder).right
+    assert [path.suffix for path in (*left, *right)] == [".png"] * 6  # of one in two forms the .png
+    last.unlink()
+    right = read_odometry(folder).right
+    assert [path.suffix for path in right] == [".png", ".png", ".jpg"]
+    assert [path.stem for path in right] == [path.stem for path in left]
+
+
 def test_text_files_that_windows_wrote(tmp_path: Path) -> None:
     folder, drive = odometry(tmp_path), raw(tmp_path)
     texts = [folder / "calib.txt", folder / "times.txt", drive.parent / "calib_cam_to_cam.txt"]
