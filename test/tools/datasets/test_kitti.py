@@ -255,7 +255,7 @@ def test_pictures_as_jpeg(tmp_path: Path, ending: str) -> None:
 
 def test_pictures_of_several_kinds_in_one_folder(tmp_path: Path) -> None:
     folder = odometry(tmp_path)
-    last = sorted((folder / "image_1").glob("*.png"))[-1]
+    last = max((folder / "image_1").glob("*.png"))
     cv2.imwrite(str(last.with_suffix(".jpg")), cv2.imread(str(last), cv2.IMREAD_UNCHANGED))
     left, right = read_odometry(folder).left, read_odometry(folder).right
     assert [path.suffix for path in (*left, *right)] == [".png"] * 6  # of one in two forms the .png
