@@ -9,6 +9,7 @@ from functools import partial
 import pytest
 
 try:
+    from selenium.common.exceptions import NoSuchElementException, StaleElementReferenceException
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.support.ui import WebDriverWait
 except ModuleNotFoundError:  # the browser fixture says so
@@ -32,7 +33,10 @@ class Page:
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
     def wait(self, condition: Callable[[], object]) -> None:
-        WebDriverWait(self.browser, 10, poll_frequency=0.02).until(lambda _: condition())
+        """Wait until a condition holds; one that asks while the page draws anew is asked again."""
+        drawn_anew = (NoSuchElementException, StaleElementReferenceException, IndexError)
+        wait = WebDriverWait(self.browser, 20, poll_frequency=0.02, ignored_exceptions=drawn_anew)
+        wait.until(lambda _: condition())
 
     def find(self, selector: str):
         return self.browser.find_element(CSS, selector)
