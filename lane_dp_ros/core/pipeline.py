@@ -29,10 +29,10 @@ from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.tracking.tracker import LaneTracker
 from lane_dp_ros.core.types import Image, Lane, Prior, StereoFrame, with_roles
 
-CHECK_PERIOD_NS = 500_000_000  # between comparisons of left and right: a calibration does not jump
+CHECK_PERIOD_NS = 500_000_000  # left and right are compared once in each: a calibration does not jump
 BEFORE_NS = 150_000_000  # an older picture shows too little of what the last one shows
 COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
-VOTE_PERIOD_NS = 300_000_000  # for which the axis goes on from frame to frame; then the edges vote anew
+VOTE_PERIOD_NS = 300_000_000  # the edges vote for the axis once in each; between, it goes on from frame to frame
 SAME_PLACE = 0.25  # m; a road edge so near to a lane's centre is that lane's paint
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}
@@ -71,8 +71,6 @@ class _Memory:
     paint: float = 0.0
     course_ns: int = 0
     """When surface, axis and paint were seen."""
-    voted_ns: int = 0
-    """When the edges last voted for the axis."""
 
 
 @dataclass
@@ -89,7 +87,6 @@ class LanePipeline:
     _monitor: CalibrationMonitor = field(default_factory=CalibrationMonitor, init=False)
     _memory: _Memory = field(default_factory=_Memory, init=False)
     _detector: LaneDetector | None = field(default=None, init=False)
-    _checked_ns: int = field(default=0, init=False)  # when left and right were compared last
     _before: tuple[int, Image] | None = field(default=None, init=False)  # the last left picture and its stamp
 
     def process(
@@ -145,7 +142,7 @@ class LanePipeline:
         gate = self._road.predict(nominal, stamp_ns)
         if not config.tracking.enabled or stamp_ns - memory.course_ns > COURSE_MEMORY_NS:
             return Prior(gate)
-        due = stamp_ns - memory.voted_ns >= VOTE_PERIOD_NS
+        due = _is_passed(VOTE_PERIOD_NS, memory.course_ns, stamp_ns)
         return Prior(gate, memory.surface, memory.axis, None if due else memory.paint)
 
     def _detector_for(self, camera: StereoCamera, config: DetectorConfig) -> LaneDetector:
@@ -166,7 +163,6 @@ class LanePipeline:
             seen = detection.birds_eye if detection.lanes else None
             memory.surface, memory.course_ns = detection.road, stamp_ns
             memory.axis, memory.paint = None if seen is None else seen.axis, detection.score
-            memory.voted_ns = stamp_ns if detection.voted else memory.voted_ns
         return self._tracker.update(detection.lanes, stamp_ns)
 
     def _checked(
@@ -189,9 +185,8 @@ class LanePipeline:
         """Return what a comparison of left and right gives, where one is due."""
         stamp_ns, before = self._memory.stamp_ns, self._before
         self._before = stamp_ns, frame.left
-        if frame.right is None or 0 <= stamp_ns - self._checked_ns < CHECK_PERIOD_NS:
+        if frame.right is None or (before and not _is_passed(CHECK_PERIOD_NS, before[0], stamp_ns)):
             return Observation(stamp_ns)
-        self._checked_ns = stamp_ns
         rows = vertical_disparity(frame.left, frame.right, detection.disparity, nominal.camera)
         left, right = (StereoFrame(image).grey().left for image in (frame.left, frame.right))
         same, delay = detection.road is None and is_same_picture(left, right, nominal), None
@@ -199,6 +194,14 @@ class LanePipeline:
             share = right_delay(left, StereoFrame(before[1]).grey().left, right, nominal)
             delay = None if share is None else share * (stamp_ns - before[0]) / 1e9
         return Observation(stamp_ns, vertical_disparity=rows, same_picture=same, right_delay=delay)
+
+
+def _is_passed(period_ns: int, before_ns: int, stamp_ns: int) -> bool:
+    """Whether a whole multiple of a period lies between two stamps.
+
+    So what is due is told by the stamps alone, wherever in a drive the pipeline began.
+    """
+    return before_ns // period_ns != stamp_ns // period_ns
 
 
 def _lies_on_paint(edge: Lane, lanes: tuple[Lane, ...]) -> bool:
