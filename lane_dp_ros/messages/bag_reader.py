@@ -51,6 +51,12 @@ class BagReader:
         """Topic names and their message types."""
         return {channel.topic: channel.type_name for channel in self._channels()}
 
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """When the first message was recorded and when the last one, or soon after [ns]; 0, 0 of an empty bag."""
+        held = [each for each in self._recordings if each.channels]
+        return min((each.start_ns for each in held), default=0), max((each.end_ns for each in held), default=0)
+
     def message_count(self, topics: list[str] | None = None) -> int:
         """Return how many messages the named topics hold (all topics without names)."""
         return sum(channel.count for channel in self._channels(topics))

@@ -37,6 +37,8 @@ def video(path: Path, force: bool = False) -> Iterator[LaneVideo]:
 class LaneVideo:
     """Writes an .mp4 of pictures, all in the size of the first, as fast as they were taken in the median."""
 
+    has_pictures = True
+
     def __init__(self, path: Path) -> None:
         self._path = path
         self._waiting: list[tuple[int, NDArray[np.uint8]]] = []
