@@ -197,5 +197,5 @@ def road_from_above(detection: LaneDetection, left: Image, config: DetectorConfi
     if direction is None or surface is None:
         return None
     grey = StereoFrame(left).grey().left
-    unknown = DisparityMap.unknown(grey.shape)
+    unknown = DisparityMap.unknown((grey.shape[0], grey.shape[1]))
     return birds_eye_view(grey, unknown, surface, direction.axis, config.birds_eye, direction.ipm_plane)

@@ -32,7 +32,9 @@ from lane_dp_ros.core.types import Lane, Prior, StereoFrame, as_measured, with_r
 CHECK_PERIOD_NS = 500_000_000  # left and right are compared once in each: a calibration does not jump
 BEFORE_NS = 150_000_000  # an older picture shows too little of what the last one shows
 COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
-VOTE_PERIOD_NS = 300_000_000  # the edges vote for the axis once in each; between, it goes on from frame to frame
+VOTE_PERIOD_NS = (
+    300_000_000  # the edges vote for the axis once in each; between, it goes on from frame to frame
+)
 SAME_PLACE = 0.25  # m; a road edge so near to a lane's centre is that lane's paint
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}

@@ -53,9 +53,10 @@ class BagReader:
 
     @property
     def span_ns(self) -> tuple[int, int]:
-        """When the first message was recorded and when the last one, or soon after [ns]; 0, 0 of an empty bag."""
+        """When the first message was recorded [ns], and a time after the last one; 0, 0 of an empty bag."""
         held = [each for each in self._recordings if each.channels]
-        return min((each.start_ns for each in held), default=0), max((each.end_ns for each in held), default=0)
+        starts, ends = [each.start_ns for each in held], [each.end_ns for each in held]
+        return min(starts, default=0), max(ends, default=0)
 
     def message_count(self, topics: list[str] | None = None) -> int:
         """Return how many messages the named topics hold (all topics without names)."""

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a frame is worth in the light of those before it, on rendered frames whose road is known."""
 
+import pickle
 from dataclasses import asdict, replace
+from itertools import zip_longest
 
 import cv2
 import numpy as np
@@ -15,7 +17,7 @@ from lane_dp_ros.core.geometry.road_axis import RoadAxis
 from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.pipeline import UNCHECKED, FrameResult, LanePipeline
 from lane_dp_ros.core.road.vanishing_point import ArcVanishingPoint, direction_along
-from lane_dp_ros.core.types import Prior, StereoFrame, with_roles
+from lane_dp_ros.core.types import Prior, RoadEstimate, StereoFrame, with_roles
 from lane_dp_ros.scenes import CAMERA, Road, render_pair, render_sequence
 from lane_dp_ros.scenes.road import UNPAINTED
 
@@ -67,13 +69,12 @@ def priors(monkeypatch):
     return asked
 
 
-def follow(drive, pipeline=None, config=CONFIG, camera=CAMERA, matched=False):
-    """Return the results of frames with their stamps [ns]; `matched`: each comes with its disparity."""
+def follow(drive, pipeline=None, config=CONFIG, camera=CAMERA, findings=()):
+    """Return the results of frames with their stamps [ns]; `findings` are another pipeline's, None: none."""
     pipeline = pipeline or LanePipeline()
-    detector = LaneDetector(camera, config)
     return [
-        pipeline.process(frame, camera, stamp_ns, config, detector.match(frame) if matched else None)
-        for stamp_ns, frame in drive
+        pipeline.process(frame, camera, stamp_ns, config, finding)
+        for (stamp_ns, frame), finding in zip_longest(drive, findings)
     ]
 
 
@@ -109,7 +110,7 @@ def assert_same(one: FrameResult, other: FrameResult, ids: bool = True) -> None:
     assert one.detection.note == other.detection.note
     assert one.detection.score == other.detection.score
     assert one.detection.road_estimate == other.detection.road_estimate
-    axes = [each.detection.birds_eye and each.detection.birds_eye.axis for each in (one, other)]
+    axes = [each.detection.direction and each.detection.direction.axis for each in (one, other)]
     assert axes[0] == axes[1]
     assert len(one.lanes) == len(other.lanes)
     for a, b in zip(one.lanes, other.lanes, strict=True):
@@ -159,20 +160,39 @@ DRIVES = {
 }
 
 
+def find(drive, first=0, config=CONFIG):
+    """Return what a pipeline that begins with frame `first` finds, as another process sends it; None before."""
+    pipeline = LanePipeline()
+    found = [pipeline.find(frame, CAMERA, ns, config).without_arrays() for ns, frame in drive[first:]]
+    return [None] * first + pickle.loads(pickle.dumps(found))
+
+
+@pytest.mark.parametrize("first", [0, 1, 3])
 @pytest.mark.parametrize("name", DRIVES)
-def test_the_answer_is_the_same_whether_or_not_a_frame_was_matched_before(frames, name):
+def test_what_a_pipeline_found_that_began_later_changes_no_answer(frames, name, first):
     """Frame by frame, down to the last bit."""
     drive = DRIVES[name](frames)
-    for one, other in zip(follow(drive), follow(drive, matched=True), strict=True):
+    for one, other in zip(follow(drive), follow(drive, findings=find(drive, first)), strict=True):
         assert_same(one, other)
 
 
-def test_the_disparity_that_comes_with_a_frame_is_not_worked_out_again(frames, monkeypatch):
-    matched = LaneDetector(CAMERA).match(frames[0])
-    monkeypatch.setattr(LaneDetector, "match", lambda *_: pytest.fail("matched again"))
-    result = LanePipeline(monitored=False).process(frames[0], CAMERA, START, CONFIG, matched)
-    assert result.detection.disparity is matched
-    assert len(result.lanes) == 3
+def test_what_holds_is_not_found_again(frames, priors):
+    """Once the edges have voted, who began later knows the same of the road."""
+    drive = [(START + i * TENTH, frames[0]) for i in range(6)]
+    findings = find(drive, 2)
+    priors.clear()
+    follow(drive, findings=findings)
+    assert len(priors) == 3
+
+
+def test_what_was_found_in_the_light_of_another_road_does_not_hold(frames, priors):
+    drive = tenths(frames[:2])
+    (finding,) = find(drive[1:])
+    results = follow(drive, findings=[None, finding])
+    assert results[1].detection is not finding.detection
+    assert finding.holds(Prior()) and not finding.holds(replace(priors[-1], paint=None))
+    assert not finding.holds(Prior(axis=ASKEW)) and not finding.holds(Prior(paint=1.0))
+    assert not finding.holds(Prior(lambda measured: RoadEstimate(measured, "last")))
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
 from lane_dp_ros.messages.stereo_sync import StereoSync
 from lane_dp_ros.tools.offline.look_ahead import LookAhead, Slice, Source, slices_ahead
 
-LEFT_OVER, LEFT_OVER_WITH_PICTURES = 0.15, 0.5  # share of the work on a pair that needs the pair before
+LEFT_OVER, LEFT_OVER_WITH_PICTURES = 0.2, 0.5  # share of the work on a pair that needs the pair before
 
 
 @contextmanager

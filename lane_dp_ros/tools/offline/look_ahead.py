@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import cv2
+
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.pipeline import Finding
 from lane_dp_ros.messages.bag import BagReader
@@ -28,7 +30,10 @@ from lane_dp_ros.tools.parallel import Stream
 
 WARM_UP_NS = 3 * NS_PER_S  # before a slice; after it most findings hold
 START_UP_NS = 2 * NS_PER_S  # of a drive are answered while a process starts
-LONGEST_NS, SHORTEST_NS = 40 * NS_PER_S, 8 * NS_PER_S  # of a slice: what waits is bounded, and worth a process
+LONGEST_NS, SHORTEST_NS = (
+    40 * NS_PER_S,
+    8 * NS_PER_S,
+)  # of a slice: what waits is bounded, and worth a process
 
 
 class Slice(NamedTuple):
@@ -79,11 +84,15 @@ class LookAhead:
         self._source, self._processes = source, jobs - 1
         self._due = deque(slices)
         self._begun: deque[_Begun] = deque()
+        self._threads = cv2.getNumThreads()
 
     def __enter__(self) -> LookAhead:
+        if self._due:
+            cv2.setNumThreads(1)  # the other cores are theirs
         return self
 
     def __exit__(self, *_: object) -> None:
+        cv2.setNumThreads(self._threads)
         while self._begun:
             self._begun.popleft().stream.close()
 
@@ -139,6 +148,6 @@ def _look(task: tuple[Source, Slice]) -> Iterator[tuple[Hashable, Finding | None
 
 def _key(pair: BagPair) -> Hashable:
     """Return what two processes know a pair by: its images and what is used of its camera infos."""
-    left, right, stamp_ns = pair.pair
+    right = pair.pair.right
     right_ns = None if right is None else stamp_from_ros(right.header.stamp)
-    return stamp_ns, right_ns, pair.time_ns, *(calibration(info) for info in pair.infos)
+    return pair.pair.stamp_ns, right_ns, pair.time_ns, *(calibration(info) for info in pair.infos)
