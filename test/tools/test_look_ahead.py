@@ -43,6 +43,6 @@ def test_with_as_much_left_over_this_process_only_comes_after() -> None:
 @given(st.floats(0, 20_000), st.integers(1, 64), st.sampled_from([0.2, 0.5]))
 def test_slices_follow_one_another_within_the_bag(seconds, jobs, left_over) -> None:
     found = slices(seconds, jobs, left_over)
-    assert all(100 < start and end <= 100 + seconds + 1e-6 for start, end in found)
+    assert all(start > 100 and end <= 100 + seconds + 1e-6 for start, end in found)
     assert all(8 - 1e-6 < end - start <= 61 for start, end in found)
     assert all(end <= start + 1e-6 for (_, end), (start, _) in pairwise(found))

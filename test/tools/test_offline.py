@@ -145,7 +145,7 @@ def test_two_processes_write_what_one_does(
         detected.clear()
     assert raw[0] == raw[1]
     assert said[0] == said[1]
-    assert "  2 x left image: encoding is 'yuv422', expected one of bgr8" in "\n".join(said[0])
+    assert "  2 x left image: encoding is 'yuv422'" in "\n".join(said[0])
     assert here[1] < 0.6 * here[0]
     lanes = [lanes_from_ros(array) for array in written(bag.parent / "out2")["/lanes"]]
     assert len({lane.id for found in lanes for lane in found}) > 3
