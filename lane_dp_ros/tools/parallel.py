@@ -93,7 +93,7 @@ class Stream(Generic[Result]):
         self._process.join()
 
     def _receive(self) -> None:
-        with suppress(EOFError, OSError):
+        with self._receiver, suppress(EOFError, OSError):
             while True:
                 self._waiting.put(self._receiver.recv_bytes())
         self.done = True

@@ -13,10 +13,15 @@ from lane_dp_ros.tools.offline.look_ahead import Slice, slices_ahead
 SECOND = 1_000_000_000
 
 
-def slices(seconds: float, jobs: int, left_over: float = 0.2) -> list[tuple[float, float]]:
-    """Return the slices [s] of a bag that begins at 100 s."""
+def slices(
+    seconds: float, jobs: int, left_over: float = 0.2, rate: float = 10.0
+) -> list[tuple[float, float]]:
+    """Return the slices [s] of a bag that begins at 100 s, with `rate` pairs a second."""
     span = Slice(100 * SECOND, round((100 + seconds) * SECOND))
-    return [(start / SECOND, end / SECOND) for start, end in slices_ahead(span, jobs, left_over)]
+    return [
+        (start / SECOND, end / SECOND)
+        for start, end in slices_ahead(span, int(seconds * rate), jobs, left_over)
+    ]
 
 
 def test_one_process_looks_at_nothing_ahead() -> None:
@@ -38,6 +43,11 @@ def test_of_a_minute_the_other_process_takes_the_last_half() -> None:
 def test_with_as_much_left_over_this_process_only_comes_after() -> None:
     ((start, end),) = slices(45, 2, left_over=0.5)
     assert (start, end) == pytest.approx((105, 145))
+
+
+def test_few_pairs_are_not_worth_another_process_however_long_they_took() -> None:
+    assert slices(1e9, 8, rate=1e-8) == []
+    assert len(slices(1e9, 2, rate=1e-7)) == 3
 
 
 @given(st.floats(0, 20_000), st.integers(1, 64), st.sampled_from([0.2, 0.5]))

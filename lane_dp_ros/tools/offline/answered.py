@@ -40,7 +40,8 @@ def answered(
     pairs, pipeline = read_stereo_pairs(reader, topics, sync), StereoPipeline()
     source = Source(reader.path, reader.choice, topics, sync.tolerance_ns / NS_PER_S, config)
     left_over = LEFT_OVER_WITH_PICTURES if pictures else LEFT_OVER
-    slices = slices_ahead(Slice(*reader.span_ns), jobs, left_over)
+    count = reader.message_count([topics.images["left"]])
+    slices = slices_ahead(Slice(*reader.span_ns), count, jobs, left_over)
     with LookAhead(source, slices, jobs) as ahead:
         answers = ((pair, _answer(pipeline, pair, config, ahead.find(pair))) for pair in pairs)
         if not pictures:

@@ -30,10 +30,9 @@ from lane_dp_ros.tools.parallel import Stream
 
 WARM_UP_NS = 3 * NS_PER_S  # before a slice; after it most findings hold
 START_UP_NS = 2 * NS_PER_S  # of a drive are answered while a process starts
-LONGEST_NS, SHORTEST_NS = (
-    40 * NS_PER_S,
-    8 * NS_PER_S,
-)  # of a slice: what waits is bounded, and worth a process
+LONGEST_NS = 40 * NS_PER_S  # of a slice: what waits here to be used is bounded
+SHORTEST_NS = 8 * NS_PER_S  # of a slice that is worth a process
+FEWEST = 30  # pairs for each slice and what is before it, whatever the time in which they were recorded
 
 
 class Slice(NamedTuple):
@@ -54,7 +53,7 @@ class Source:
     config: DetectorConfig
 
 
-def slices_ahead(span: Slice, jobs: int, left_over: float) -> list[Slice]:
+def slices_ahead(span: Slice, pairs: int, jobs: int, left_over: float) -> list[Slice]:
     """Return the slices of a bag that processes but this one should look at; between them it works itself.
 
     Then all `jobs` processes have about the same to do, where the share `left_over` of the work on a pair is
@@ -65,10 +64,13 @@ def slices_ahead(span: Slice, jobs: int, left_over: float) -> list[Slice]:
     own, lead = max(0.0, 1 - left_over * jobs), WARM_UP_NS + START_UP_NS
     shares = own + jobs - 1
     rounds = max(1, round((span.end_ns - span.start_ns) / (LONGEST_NS * shares + lead)))
+    rounds = min(rounds, pairs // FEWEST)
+    if not rounds:
+        return []
     period = (span.end_ns - span.start_ns) / rounds
     length = (period - lead) / shares
     if length < SHORTEST_NS:
-        return slices_ahead(span, jobs - 1, left_over)
+        return slices_ahead(span, pairs, jobs - 1, left_over)
     starts = [
         span.start_ns + round((i + 1) * period - (jobs - 1 - k) * length)
         for i in range(rounds)
