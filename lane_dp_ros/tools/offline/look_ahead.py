@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Slices of a bag in which other processes detect ahead, before it is known what comes before them.
 
-A process begins its slice some seconds early, with nothing known, and what it finds is soon what would be
-found by who came all the way: then road, axis and paint of the frame before are the same. Where they are not
-yet, its findings do not hold and are not used, see `Finding.holds`: so no answer depends on the slices.
+A process begins its slice with nothing known, and what it finds is soon, after 0 to 5 s, what is found by who
+came all the way: then road, axis and paint of the frame before are the same. Where they are not yet, its
+findings do not hold and are not used, see `Finding.holds`: so no answer depends on the slices.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from lane_dp_ros.messages.stereo_pipeline import StereoPipeline
 from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.tools.parallel import Stream
 
-WARM_UP_NS = 3 * NS_PER_S  # before a slice; after it most findings hold
-START_UP_NS = 2 * NS_PER_S  # of a drive are answered while a process starts
+WARM_UP_NS = NS_PER_S // 2  # before a slice: the stamps of left and right meet, and a picture is known
+LEAD_NS = NS_PER_S  # of a drive: what is answered while a process starts, less what is detected anew
 LONGEST_NS = 40 * NS_PER_S  # of a slice: what waits here to be used is bounded
 SHORTEST_NS = 8 * NS_PER_S  # of a slice that is worth a process
 FEWEST = 30  # pairs for each slice and what is before it, whatever the time in which they were recorded
@@ -61,14 +61,13 @@ def slices_ahead(span: Slice, pairs: int, jobs: int, left_over: float) -> list[S
     """
     if jobs == 1:
         return []
-    own, lead = max(0.0, 1 - left_over * jobs), WARM_UP_NS + START_UP_NS
-    shares = own + jobs - 1
-    rounds = max(1, round((span.end_ns - span.start_ns) / (LONGEST_NS * shares + lead)))
+    shares = max(0.0, 1 - left_over * jobs) + jobs - 1
+    rounds = max(1, round((span.end_ns - span.start_ns) / (LONGEST_NS * shares + LEAD_NS)))
     rounds = min(rounds, pairs // FEWEST)
     if not rounds:
         return []
     period = (span.end_ns - span.start_ns) / rounds
-    length = (period - lead) / shares
+    length = (period - LEAD_NS) / shares
     if length < SHORTEST_NS:
         return slices_ahead(span, pairs, jobs - 1, left_over)
     starts = [
