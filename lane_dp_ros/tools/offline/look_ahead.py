@@ -30,6 +30,7 @@ from lane_dp_ros.tools.parallel import Stream
 
 WARM_UP_NS = NS_PER_S // 2  # before a slice: the stamps of left and right meet, and a picture is known
 LEAD_NS = NS_PER_S  # of a drive: what is answered while a process starts, less what is detected anew
+READ_TWICE = 0.1  # of the work on a pair, where another process has looked at it, is done by both
 LONGEST_NS = 40 * NS_PER_S  # of a slice: what waits here to be used is bounded
 SHORTEST_NS = 8 * NS_PER_S  # of a slice that is worth a process
 FEWEST = 30  # pairs for each slice and what is before it, whatever the time in which they were recorded
@@ -61,7 +62,7 @@ def slices_ahead(span: Slice, pairs: int, jobs: int, left_over: float) -> list[S
     """
     if jobs == 1:
         return []
-    shares = max(0.0, 1 - left_over * jobs) + jobs - 1
+    shares = max(0.0, 1 + READ_TWICE - left_over * jobs) + jobs - 1
     rounds = max(1, round((span.end_ns - span.start_ns) / (LONGEST_NS * shares + LEAD_NS)))
     rounds = min(rounds, pairs // FEWEST)
     if not rounds:
