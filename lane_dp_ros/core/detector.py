@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView, birds_eye_view
+from lane_dp_ros.core.birdseye.birds_eye import BirdsEyeView
 from lane_dp_ros.core.birdseye.paint_map import PaintMap
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.geometry.camera import StereoCamera
@@ -186,16 +186,3 @@ class LaneDetector:
             return "no right image"
         heights = "{:.1f} to {:.1f}".format(*plausible_heights(self.config.road_profile))
         return f"no road surface in the disparity {heights} m below the camera"
-
-
-def road_from_above(detection: LaneDetection, left: Image, config: DetectorConfig) -> BirdsEyeView | None:
-    """Return the bird's-eye view of a detection once more, without heights; None where there was none.
-
-    `left` is the picture of the frame, (H, W) grey or (H, W, 3) BGR.
-    """
-    direction, surface = detection.direction, detection.road_estimate.surface
-    if direction is None or surface is None:
-        return None
-    grey = StereoFrame(left).grey().left
-    unknown = DisparityMap.unknown((grey.shape[0], grey.shape[1]))
-    return birds_eye_view(grey, unknown, surface, direction.axis, config.birds_eye, direction.ipm_plane)

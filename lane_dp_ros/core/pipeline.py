@@ -27,12 +27,12 @@ from lane_dp_ros.core.monitoring.vertical_disparity import vertical_disparity
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.tracking.road_filter import RoadFilter
 from lane_dp_ros.core.tracking.tracker import LaneTracker
-from lane_dp_ros.core.types import Lane, Prior, StereoFrame, as_measured, with_roles
+from lane_dp_ros.core.types import Image, Lane, Prior, StereoFrame, with_roles
 
-CHECK_PERIOD_NS = 500_000_000  # left and right are compared once in each: a calibration does not jump
+CHECK_PERIOD_NS = 500_000_000  # between comparisons of left and right: a calibration does not jump
 BEFORE_NS = 150_000_000  # an older picture shows too little of what the last one shows
 COURSE_MEMORY_NS = 500_000_000  # later the road may well lie and run otherwise
-VOTE_PERIOD_NS = 300_000_000  # the edges vote for the axis once in each; between it goes on by itself
+VOTE_PERIOD_NS = 300_000_000  # for which the axis goes on from frame to frame; then the edges vote anew
 SAME_PLACE = 0.25  # m; a road edge so near to a lane's centre is that lane's paint
 MEMORY_NS = 1_000_000_000  # a longer jump of time, or one backwards, and everything is forgotten
 SERVES = {"last": "the last road profile", "nominal": "the camera's nominal height and pitch"}
@@ -60,40 +60,6 @@ class FrameResult:
     """Computing time of each stage, in order."""
 
 
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """What was found in a frame of `camera` in the light of a `prior`: all for which its pictures are needed.
-
-    `prior` is without its gate. `sight` is what the monitor is told, None of a left image alone and of what
-    is not monitored; `seconds` is the computing time of each stage.
-    """
-
-    camera: StereoCamera
-    prior: Prior
-    detection: LaneDetection
-    sight: Observation | None
-    seconds: dict[str, float]
-
-    def holds(self, prior: Prior) -> bool:
-        """Whether the same would be found in the light of another prior."""
-        own, detection = self.prior, self.detection
-        same = (own.surface, own.axis, own.paint) == (prior.surface, prior.axis, prior.paint)
-        return same and prior.road(detection.road) == detection.road_estimate
-
-    def without_arrays(self) -> Finding:
-        """Return it without what is as large as pictures and serves nothing that follows."""
-        chosen = tuple(each for each in self.detection.candidates if not each.refusal)
-        slim = replace(
-            self.detection,
-            disparity=DisparityMap.unknown((0, 0)),
-            birds_eye=None,
-            paint_map=None,
-            paths=(),
-            candidates=chosen,
-        )
-        return replace(self, detection=slim)
-
-
 @dataclass
 class _Memory:
     """What is kept from frame to frame, and forgotten when time jumps or the camera changes."""
@@ -105,6 +71,8 @@ class _Memory:
     paint: float = 0.0
     course_ns: int = 0
     """When surface, axis and paint were seen."""
+    voted_ns: int = 0
+    """When the edges last voted for the axis."""
 
 
 @dataclass
@@ -121,7 +89,8 @@ class LanePipeline:
     _monitor: CalibrationMonitor = field(default_factory=CalibrationMonitor, init=False)
     _memory: _Memory = field(default_factory=_Memory, init=False)
     _detector: LaneDetector | None = field(default=None, init=False)
-    _before: tuple[int, StereoFrame] | None = field(default=None, init=False)  # the last pair and its stamp
+    _checked_ns: int = field(default=0, init=False)  # when left and right were compared last
+    _before: tuple[int, Image] | None = field(default=None, init=False)  # the last left picture and its stamp
 
     def process(
         self,
@@ -129,17 +98,19 @@ class LanePipeline:
         camera: StereoCamera,
         stamp_ns: int,
         config: DetectorConfig,
-        speculative: Finding | None = None,
+        disparity: DisparityMap | None = None,
     ) -> FrameResult:
         """Return the lanes of the frame of `stamp_ns`, in the light of those before.
 
-        `speculative` is what another pipeline found in this frame, see `find`.
+        `disparity` is what `LaneDetector.match` gave for this frame, in another process for example.
         """
-        found = self.find(frame, camera, stamp_ns, config, speculative)
-        detection, watch = found.detection, Stopwatch(found.seconds)
+        prior = self._predict(_nominal_road(camera, config), stamp_ns, config)
+        detection = self._detector_for(camera, config).detect(frame, prior, disparity)
+        watch = Stopwatch(detection.seconds)
         with watch("tracking"):
+            self._road.update(detection.road)
             self._configure_trackers(config)
-            lanes = self._tracker.update(detection.lanes, stamp_ns)
+            lanes = self._tracked(detection, stamp_ns)
             tracked_edges = self._edge_tracker.update(detection.road_edges, stamp_ns)
             road_edges = with_roles([edge for edge in tracked_edges if not _lies_on_paint(edge, lanes)])
         road = detection.road_estimate
@@ -147,11 +118,9 @@ class LanePipeline:
         if road.source != "measured":
             problem = f"{detection.note}; the left image alone serves, with {SERVES[road.source]}"
         check = UNCHECKED
-        if found.sight is not None:
+        if self.monitored:
             with watch("calibration_monitor"):
-                measured = detection.road if road.source == "measured" else None
-                sight = replace(found.sight, road=measured, lanes=lanes)
-                check = self._monitor.update(sight, _nominal_road(camera, config))
+                check = self._checked(frame, camera, detection, lanes, config)
         return FrameResult(
             frame,
             camera,
@@ -163,29 +132,6 @@ class LanePipeline:
             check,
             watch.seconds,
         )
-
-    def find(
-        self,
-        frame: StereoFrame,
-        camera: StereoCamera,
-        stamp_ns: int,
-        config: DetectorConfig,
-        speculative: Finding | None = None,
-    ) -> Finding:
-        """Return what is found in a frame, in the light of those before, without identities.
-
-        `speculative` is what a pipeline found that began with a later frame: it is returned where the same
-        would be found here, without a look at the pictures.
-        """
-        prior = self._predict(_nominal_road(camera, config), stamp_ns, config)
-        found = speculative
-        if found is None or not found.holds(prior):
-            found = self._found(frame, camera, prior, config)
-        if found.sight is not None:
-            self._before = stamp_ns, frame
-        self._road.update(found.detection.road)
-        self._remember(found.detection, stamp_ns)
-        return found
 
     def _predict(self, nominal: RoadSurface, stamp_ns: int, config: DetectorConfig) -> Prior:
         """Return what the frames before say of the one of `stamp_ns`."""
@@ -199,7 +145,7 @@ class LanePipeline:
         gate = self._road.predict(nominal, stamp_ns)
         if not config.tracking.enabled or stamp_ns - memory.course_ns > COURSE_MEMORY_NS:
             return Prior(gate)
-        due = _is_passed(VOTE_PERIOD_NS, memory.course_ns, stamp_ns)
+        due = stamp_ns - memory.voted_ns >= VOTE_PERIOD_NS
         return Prior(gate, memory.surface, memory.axis, None if due else memory.paint)
 
     def _detector_for(self, camera: StereoCamera, config: DetectorConfig) -> LaneDetector:
@@ -213,44 +159,46 @@ class LanePipeline:
             tracker.config = config.tracking
             tracker.half_width = config.birds_eye.width / 2
 
-    def _found(
-        self, frame: StereoFrame, camera: StereoCamera, prior: Prior, config: DetectorConfig
-    ) -> Finding:
-        detection = self._detector_for(camera, config).detect(frame, prior)
-        watch, sight = Stopwatch(detection.seconds), None
-        if self.monitored and frame.right is not None:
-            with watch("calibration_monitor"):
-                sight = self._compared(frame, detection, _nominal_road(camera, config))
-        return Finding(camera, replace(prior, road=as_measured), detection, sight, watch.seconds)
-
-    def _remember(self, detection: LaneDetection, stamp_ns: int) -> None:
-        """Remember what the next prior needs."""
+    def _tracked(self, detection: LaneDetection, stamp_ns: int) -> tuple[Lane, ...]:
+        """Return the lanes of a detection with identities, and remember what the next prior needs."""
+        memory = self._memory
         if detection.road_estimate.source == "measured":
-            memory, seen = self._memory, detection.direction if detection.lanes else None
+            seen = detection.birds_eye if detection.lanes else None
             memory.surface, memory.course_ns = detection.road, stamp_ns
             memory.axis, memory.paint = None if seen is None else seen.axis, detection.score
+            memory.voted_ns = stamp_ns if detection.voted else memory.voted_ns
+        return self._tracker.update(detection.lanes, stamp_ns)
+
+    def _checked(
+        self,
+        frame: StereoFrame,
+        camera: StereoCamera,
+        detection: LaneDetection,
+        lanes: tuple[Lane, ...],
+        config: DetectorConfig,
+    ) -> CalibrationStatus:
+        """Return what the frames so far say of the calibration."""
+        if frame.right is None:
+            return UNCHECKED
+        nominal = _nominal_road(camera, config)
+        sight = self._compared(frame, detection, nominal)
+        road = detection.road if detection.road_estimate.source == "measured" else None
+        return self._monitor.update(replace(sight, road=road, lanes=lanes), nominal)
 
     def _compared(self, frame: StereoFrame, detection: LaneDetection, nominal: RoadSurface) -> Observation:
         """Return what a comparison of left and right gives, where one is due."""
         stamp_ns, before = self._memory.stamp_ns, self._before
-        if frame.right is None or (before and not _is_passed(CHECK_PERIOD_NS, before[0], stamp_ns)):
+        self._before = stamp_ns, frame.left
+        if frame.right is None or 0 <= stamp_ns - self._checked_ns < CHECK_PERIOD_NS:
             return Observation(stamp_ns)
+        self._checked_ns = stamp_ns
         rows = vertical_disparity(frame.left, frame.right, detection.disparity, nominal.camera)
         left, right = (StereoFrame(image).grey().left for image in (frame.left, frame.right))
         same, delay = detection.road is None and is_same_picture(left, right, nominal), None
         if before is not None and 0 < stamp_ns - before[0] <= BEFORE_NS and not same:
-            earlier = StereoFrame(before[1].left).grey().left
-            share = right_delay(left, earlier, right, nominal)
+            share = right_delay(left, StereoFrame(before[1]).grey().left, right, nominal)
             delay = None if share is None else share * (stamp_ns - before[0]) / 1e9
         return Observation(stamp_ns, vertical_disparity=rows, same_picture=same, right_delay=delay)
-
-
-def _is_passed(period_ns: int, before_ns: int, stamp_ns: int) -> bool:
-    """Whether a whole multiple of a period lies between two stamps.
-
-    So what is due is told by the stamps alone, wherever in a drive the pipeline began.
-    """
-    return before_ns // period_ns != stamp_ns // period_ns
 
 
 def _lies_on_paint(edge: Lane, lanes: tuple[Lane, ...]) -> bool:

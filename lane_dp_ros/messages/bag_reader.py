@@ -51,13 +51,6 @@ class BagReader:
         """Topic names and their message types."""
         return {channel.topic: channel.type_name for channel in self._channels()}
 
-    @property
-    def span_ns(self) -> tuple[int, int]:
-        """When the first message was recorded [ns], and a time after the last one; 0, 0 of an empty bag."""
-        held = [each for each in self._recordings if each.channels]
-        starts, ends = [each.start_ns for each in held], [each.end_ns for each in held]
-        return min(starts, default=0), max(ends, default=0)
-
     def message_count(self, topics: list[str] | None = None) -> int:
         """Return how many messages the named topics hold (all topics without names)."""
         return sum(channel.count for channel in self._channels(topics))

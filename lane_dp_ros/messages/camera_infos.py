@@ -34,7 +34,7 @@ class CameraInfos:
 
     def hear(self, side: Side, msg: Any, now: float) -> None:
         """Take a CameraInfo in."""
-        is_new = side not in self._last or calibration(msg) != calibration(self._last[side])
+        is_new = side not in self._last or _calibration(msg) != _calibration(self._last[side])
         self._last[side] = msg
         if is_new and self._in_use is not None and self._changed is None:
             self._changed = _Change(side, stamp_from_ros(msg.header.stamp), now)
@@ -54,6 +54,5 @@ class CameraInfos:
         return self._in_use
 
 
-def calibration(msg: Any) -> tuple[Any, ...]:
-    """Return all that is used of a CameraInfo: two messages of which it is equal say the same."""
+def _calibration(msg: Any) -> tuple[Any, ...]:
     return (msg.width, msg.height, *map(float, msg.p))

@@ -44,19 +44,12 @@ class BagPair(NamedTuple):
     time_ns: int
 
 
-def read_stereo_pairs(
-    reader: BagReader,
-    topics: StereoTopics,
-    sync: StereoSync,
-    start_ns: int | None = None,
-    end_ns: int | None = None,
-) -> Iterator[BagPair]:
+def read_stereo_pairs(reader: BagReader, topics: StereoTopics, sync: StereoSync) -> Iterator[BagPair]:
     """Yield every pair that `sync` makes, with the camera infos that `CameraInfos` holds for it.
 
-    Before the first ones have come, the first ones serve. With times [ns], of what was recorded from
-    `start_ns` to before `end_ns`.
+    Before the first ones have come, the first ones serve.
     """
-    for image in _by_stamp(_images(reader, topics, start_ns, end_ns)):
+    for image in _by_stamp(_images(reader, topics)):
         if pair := sync.add(image.side, image.stamp_ns, image.message):
             yield BagPair(pair, image.infos, image.time_ns)
 
@@ -76,9 +69,7 @@ class _Image(NamedTuple):
     infos: tuple[Any, Any]
 
 
-def _images(
-    reader: BagReader, topics: StereoTopics, start_ns: int | None, end_ns: int | None
-) -> Iterator[_Image]:
+def _images(reader: BagReader, topics: StereoTopics) -> Iterator[_Image]:
     """Yield the images in the order in which they were recorded."""
     infos = CameraInfos()
     for side, topic in topics.infos.items():
@@ -86,7 +77,7 @@ def _images(
         infos.hear(side, message, time_ns / NS_PER_S)
     info_sides = {topic: side for side, topic in topics.infos.items()}
     image_sides = {topic: side for side, topic in topics.images.items()}
-    for topic, time_ns, message in reader.messages([*image_sides, *info_sides], start_ns, end_ns):
+    for topic, time_ns, message in reader.messages([*image_sides, *info_sides]):
         if topic in info_sides:
             infos.hear(info_sides[topic], message, time_ns / NS_PER_S)
         else:

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetection, LaneDetector
 from lane_dp_ros.core.geometry.camera import StereoCamera
-from lane_dp_ros.core.pipeline import Finding, FrameResult, LanePipeline
+from lane_dp_ros.core.geometry.disparity_map import DisparityMap
+from lane_dp_ros.core.pipeline import FrameResult, LanePipeline
 from lane_dp_ros.core.stopwatch import Stopwatch
 from lane_dp_ros.core.types import Image, StereoFrame
 from lane_dp_ros.messages.camera import camera_from_ros
@@ -28,6 +28,8 @@ class StereoInput:
     stamp_ns: int
     camera: StereoCamera | None = None
     problem: str = ""
+    disparity: DisparityMap | None = None
+    """What `LaneDetector.match` gave for the frame, where that was asked for."""
 
 
 def read_pair(pair: StereoPair, infos: tuple[Any, Any]) -> StereoInput:
@@ -44,6 +46,20 @@ def read_pair(pair: StereoPair, infos: tuple[Any, Any]) -> StereoInput:
         return StereoInput(StereoFrame(left, right), pair.stamp_ns, camera)
     except Exception as error:  # noqa: BLE001 - one bad frame, whatever is wrong with it, must not end the node
         return StereoInput(StereoFrame(left), pair.stamp_ns, problem=one_line(error))
+
+
+def match_pair(pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> StereoInput:
+    """Return what a pair holds, with its disparity: the work that needs no pair before it.
+
+    Raises ValueError when an image cannot be read. All else that goes wrong is the input's `problem`.
+    """
+    read = read_pair(pair, infos)
+    if read.camera is None:
+        return read
+    try:
+        return replace(read, disparity=LaneDetector(read.camera, config).match(read.frame))
+    except Exception as error:  # noqa: BLE001 - as above
+        return replace(read, camera=None, problem=one_line(error))
 
 
 def detect_alone(
@@ -68,74 +84,25 @@ class StereoPipeline:
     def __init__(self, monitored: bool = True) -> None:
         self._pipeline = LanePipeline(monitored)
 
-    def answer(
-        self,
-        pair: StereoPair,
-        infos: tuple[Any, Any],
-        config: DetectorConfig,
-        speculative: Finding | None = None,
-    ) -> FrameResult:
+    def answer(self, pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> FrameResult:
         """Return the lanes of a pair of messages with its CameraInfo.
 
-        `speculative` is what another pipeline found in this pair, by `find` with equal CameraInfo.
         Raises ValueError when an image cannot be read. All else that goes wrong is the result's `problem`.
         """
-        if speculative is not None:
-            read = StereoInput(UnreadFrame(pair), pair.stamp_ns, speculative.camera)
-            return self._follow(read, config, speculative)
         watch = Stopwatch()
         with watch("conversion"):
             read = read_pair(pair, infos)
-        result = self._follow(read, config)
+        result = self.follow(read, config)
         return replace(result, seconds={**watch.seconds, **result.seconds})
 
-    def find(self, pair: StereoPair, infos: tuple[Any, Any], config: DetectorConfig) -> Finding | None:
-        """Return what is found in a pair, without identities; None where something is wrong with it."""
-        try:
-            read = read_pair(pair, infos)
-            if read.camera is not None:
-                return self._pipeline.find(read.frame, read.camera, read.stamp_ns, config)
-        except Exception:  # noqa: BLE001 - as above; `answer` says what is wrong
-            pass
-        return None
-
-    def _follow(
-        self, read: StereoInput, config: DetectorConfig, speculative: Finding | None = None
-    ) -> FrameResult:
+    def follow(self, read: StereoInput, config: DetectorConfig) -> FrameResult:
+        """Return the lanes of a pair that was read before."""
         if read.camera is None:  # nobody can tell where in this picture a line from before would be
             return FrameResult(read.frame, problem=read.problem)
         try:
-            return self._pipeline.process(read.frame, read.camera, read.stamp_ns, config, speculative)
+            return self._pipeline.process(read.frame, read.camera, read.stamp_ns, config, read.disparity)
         except Exception as error:  # noqa: BLE001 - as above
             return FrameResult(read.frame, problem=one_line(error))
-
-
-class UnreadFrame(StereoFrame):
-    """The frame of a pair of messages, which are read when a picture is asked for the first time."""
-
-    def __init__(self, pair: StereoPair) -> None:
-        object.__setattr__(self, "_pair", pair)  # frozen, as all frames
-
-    @cached_property
-    def left(self) -> Image:  # type: ignore[override]
-        """The left image."""
-        return self._read.left
-
-    @cached_property
-    def right(self) -> Image | None:  # type: ignore[override]
-        """The right image."""
-        return self._read.right
-
-    @cached_property
-    def _read(self) -> StereoFrame:
-        pair: StereoPair = self.__dict__["_pair"]
-        return _read_frame(pair)
-
-
-def _read_frame(pair: StereoPair) -> StereoFrame:
-    if pair.right is None:
-        return StereoFrame(left_image_from_ros(pair.left))
-    return StereoFrame(*stereo_images_from_ros(pair.left, pair.right))
 
 
 def _camera_for(infos: tuple[Any, Any], left: Image, right: Image | None) -> StereoCamera:

@@ -13,7 +13,7 @@ from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.lanes import lanes_to_ros
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_bag import find_stereo_topics, sync_of_bag
+from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.messages.topic_choice import TopicChoice
 from lane_dp_ros.review.read_drive import find_lanes, find_left_topics
 from lane_dp_ros.tools.offline.answered import answered
@@ -56,8 +56,9 @@ def detect_lanes(
     Raises CommandError when there are no pairs, or none that can be used.
     """
     topics = find_stereo_topics(reader)
+    pairs = read_stereo_pairs(reader, topics, sync_of_bag(node.sync_tolerance))
     problem, written = f"no left and right stamps within {node.sync_tolerance:g} s", 0
-    with answered(reader, topics, sync_of_bag(node.sync_tolerance), detector, jobs) as answers:
+    with answered(pairs, detector, jobs) as answers:
         total = reader.message_count([topics.images["left"]])
         for bag_pair, answer in progress(answers, total, "pair"):
             if not isinstance(answer, FrameResult) or answer.detection is None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The lane_dp_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs of messages: read, looked at, and answered in order."""
+"""Pairs of messages, read and matched apart from the pipeline that follows them in order."""
 
 import pickle
 
@@ -9,13 +9,13 @@ import pytest
 
 from lane_dp_ros.core.config import DetectorConfig
 from lane_dp_ros.core.detector import LaneDetector
+from lane_dp_ros.core.parameter import replaced
 from lane_dp_ros.core.types import StereoFrame
-from lane_dp_ros.messages import stereo_pipeline
 from lane_dp_ros.messages.bag_message import bag_message
 from lane_dp_ros.messages.camera import camera_info_to_ros
 from lane_dp_ros.messages.image import image_to_ros
 from lane_dp_ros.messages.stamp import stamp_to_ros
-from lane_dp_ros.messages.stereo_pipeline import StereoPipeline, detect_alone, read_pair
+from lane_dp_ros.messages.stereo_pipeline import StereoPipeline, detect_alone, match_pair
 from lane_dp_ros.messages.stereo_sync import StereoPair
 from lane_dp_ros.scenes import CAMERA
 
@@ -46,37 +46,31 @@ def assert_same_lanes(one, other):
         assert (a.role, a.confidence) == (b.role, b.confidence)
 
 
-def test_a_pair_is_read(drive, scene_pairs):
+def test_a_pair_is_read_with_its_disparity(drive, scene_pairs):
     pairs, infos = drive
-    read = read_pair(pairs[0], infos)
+    read = match_pair(pairs[0], infos, CONFIG)
     assert (read.stamp_ns, read.problem) == (scene_pairs[0].stamp_ns, "")
     assert read.camera == CAMERA
     np.testing.assert_array_equal(read.frame.left, scene_pairs[0].left)
-    np.testing.assert_array_equal(read.frame.right, scene_pairs[0].right)
+    matched = LaneDetector(CAMERA).match(StereoFrame(scene_pairs[0].left, scene_pairs[0].right))
+    np.testing.assert_array_equal(read.disparity.matched, matched.matched)
 
 
-def test_pairs_that_another_process_looked_at_have_the_same_answers(drive):
+def test_the_disparity_is_that_of_the_configuration(drive):
     pairs, infos = drive
-    here, elsewhere, ahead = (StereoPipeline() for _ in range(3))
-    for pair in (*pairs, pairs[2]._replace(right=None, stamp_ns=pairs[2].stamp_ns + 10**8)):
-        found = pickle.loads(pickle.dumps(ahead.find(pair, infos, CONFIG).without_arrays()))
+    broad = replaced(CONFIG, {"disparity.correlation_window_size": 11})
+    one, other = (match_pair(pairs[0], infos, config).disparity.matched for config in (CONFIG, broad))
+    assert not np.array_equal(one, other, equal_nan=True)
+
+
+def test_pairs_that_another_process_matched_have_the_same_answers(drive):
+    pairs, infos = drive
+    here, elsewhere = StereoPipeline(monitored=False), StereoPipeline(monitored=False)
+    for pair in pairs:
+        sent = pickle.loads(pickle.dumps(match_pair(pair, infos, CONFIG)))
         answer = here.answer(pair, infos, CONFIG)
         assert len(answer.lanes) >= 3
-        other = elsewhere.answer(pair, infos, CONFIG, found)
-        assert_same_lanes(other, answer)
-        assert other.detection is found.detection
-        assert (other.camera, other.check) == (answer.camera, answer.check)
-        np.testing.assert_array_equal(other.frame.left, answer.frame.left)
-        np.testing.assert_array_equal(other.frame.right, answer.frame.right)
-
-
-def test_a_pair_that_was_looked_at_is_not_read_unless_it_is_asked_for(drive, monkeypatch):
-    pairs, infos = drive
-    found = StereoPipeline().find(pairs[0], infos, CONFIG)
-    read = []
-    monkeypatch.setattr(stereo_pipeline, "stereo_images_from_ros", lambda *msgs: read.append(msgs) or msgs)
-    StereoPipeline().answer(pairs[0], infos, CONFIG, found)
-    assert not read
+        assert_same_lanes(elsewhere.follow(sent, CONFIG), answer)
 
 
 def test_the_time_of_an_answer_begins_with_the_conversion(drive):
@@ -94,32 +88,40 @@ def test_a_pair_is_looked_at_without_those_before(drive, scene_pairs):
     assert found.score == alone.score > 0
 
 
-def test_a_left_image_alone_is_read_but_not_looked_at_alone(drive):
+def test_of_a_left_image_alone_nothing_is_matched(drive):
     pairs, infos = drive
-    read, found = detect_alone(pairs[0]._replace(right=None), infos, CONFIG)
+    alone = pairs[0]._replace(right=None)
+    read = match_pair(alone, infos, CONFIG)
+    assert read.frame.right is None and not read.problem
+    assert np.isnan(read.disparity.matched).all()
+    read, found = detect_alone(alone, infos, CONFIG)
     assert read.frame.right is None and not read.problem
     assert found is None
+    here, elsewhere = StereoPipeline(), StereoPipeline()
+    assert_same_lanes(
+        elsewhere.follow(match_pair(alone, infos, CONFIG), CONFIG), here.answer(alone, infos, CONFIG)
+    )
 
 
 def test_images_that_their_camera_info_contradicts_are_a_problem(drive):
     pairs, _ = drive
     infos = tuple(camera_info_to_ros(P, (300, 400), HEADER, bag_message) for P in (P_LEFT, P_RIGHT))
     problem = "images are 1242x375, their CameraInfo says 400x300, expected equal sizes"
-    assert StereoPipeline().find(pairs[0], infos, CONFIG) is None
-    answer = StereoPipeline().answer(pairs[0], infos, CONFIG)
+    read = match_pair(pairs[0], infos, CONFIG)
+    assert (read.camera, read.disparity, read.problem) == (None, None, problem)
+    answer = StereoPipeline().follow(read, CONFIG)
     assert (answer.lanes, answer.detection, answer.problem) == ((), None, problem)
     read, found = detect_alone(pairs[0], infos, CONFIG)
     assert (read.problem, found) == (problem, None)
 
 
-@pytest.mark.parametrize("look", [detect_alone, StereoPipeline().answer])
+@pytest.mark.parametrize("look", [match_pair, detect_alone, StereoPipeline().answer])
 def test_an_image_that_cannot_be_read_is_an_error(drive, look):
     pairs, infos = drive
     odd = image_to_ros(np.zeros((4, 6), np.uint8), HEADER, bag_message)
     odd.encoding = "32FC1"
     with pytest.raises(ValueError, match="left image: encoding is '32FC1'"):
         look(pairs[0]._replace(left=odd), infos, CONFIG)
-    assert StereoPipeline().find(pairs[0]._replace(left=odd), infos, CONFIG) is None
 
 
 def test_whatever_goes_wrong_in_matching_is_one_line(drive, monkeypatch):
@@ -128,8 +130,8 @@ def test_whatever_goes_wrong_in_matching_is_one_line(drive, monkeypatch):
 
     monkeypatch.setattr(LaneDetector, "match", fail)
     pairs, infos = drive
-    alone, found = detect_alone(pairs[0], infos, CONFIG)
-    assert found is StereoPipeline().find(pairs[0], infos, CONFIG) is None
-    for read in (alone, StereoPipeline().answer(pairs[0], infos, CONFIG)):
+    matched, (alone, found) = match_pair(pairs[0], infos, CONFIG), detect_alone(pairs[0], infos, CONFIG)
+    assert found is matched.camera is matched.disparity is None
+    for read in (matched, alone, StereoPipeline().follow(matched, CONFIG)):
         assert "out of memory" in read.problem
         assert "\n" not in read.problem

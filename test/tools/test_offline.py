@@ -107,53 +107,41 @@ def test_road_edges_are_written_drawn_and_counted(write_stereo_bag, scene_pairs,
         assert np.count_nonzero((blue - green > 60) & (red - green > 50)) > 50  # violet
 
 
-def long_stereo_bag(write_stereo_bag, scene_pairs, path: Path) -> Path:
-    """Write sixty pairs of 24 s, with the same faults in the first half and in the second.
-
-    One picture cannot be read, one size is not the camera's, one right image is lost, later all for 2 s.
-    """
-    rocking = [scene_pairs[abs(i % 4 - 2)] for i in range(60)]
-    pairs = [replace(pair, stamp_ns=10**9 + i * 400_000_000) for i, pair in enumerate(rocking)]
+def broken_stereo_bag(write_stereo_bag, scene_pairs, path: Path) -> Path:
+    """Write twelve pairs: one picture that cannot be read, and one size that the camera does not have."""
+    pairs = [
+        replace(pair, stamp_ns=pair.stamp_ns + i * 300_000_000) for i in range(4) for pair in scene_pairs
+    ]
     with BagReader(write_stereo_bag(pairs)) as reader, BagWriter(path) as writer:
         for topic, time_ns, message in reader.messages():
-            i = (time_ns - 10**9) // 400_000_000 % 30
-            if topic == "/left/image_rect" and i == 4:
+            if topic == "/left/image_rect" and time_ns == pairs[4].stamp_ns:
                 message.encoding = "32FC1"
-            if topic.endswith("image_rect") and i == 7:
+            if topic.endswith("image_rect") and time_ns == pairs[7].stamp_ns:
                 message.height -= 10
-            if topic != "/right/image_rect" or (i != 10 and not 14 <= i < 19):
-                writer.write(topic, time_ns, message)
+            writer.write(topic, time_ns, message)
     return path
 
 
-@pytest.mark.parametrize("options", [(), ("--no-images",)], ids=["pictures", "none"])
-def test_two_processes_write_what_one_does(
-    write_stereo_bag, scene_pairs, tmp_path, capsys, monkeypatch, options
-) -> None:
-    """The last bit of it, though the other process begins in the middle of the drive."""
-    bag = long_stereo_bag(write_stereo_bag, scene_pairs, tmp_path / "long")
-    detect, detected = LaneDetector.detect, []
-    monkeypatch.setattr(LaneDetector, "detect", lambda *a: detected.append(a) or detect(*a))
-    raw, said, here = [], [], []
+def test_two_processes_write_what_one_does(write_stereo_bag, scene_pairs, tmp_path, capsys) -> None:
+    bag = broken_stereo_bag(write_stereo_bag, scene_pairs, tmp_path / "broken")
+    raw = []
     for jobs in (1, 2):
-        with BagReader(run(bag, *options, output=f"out{jobs}", jobs=jobs)) as reader:
+        with BagReader(run(bag, output=f"out{jobs}", jobs=jobs)) as reader:
             raw.append(list(reader.raw_messages()))
-        out = capsys.readouterr().out.splitlines()
-        assert f"pairs/s, {jobs} process" in out[-1]
-        said.append(out[0].partition(":")[2:] + tuple(out[1:-2]))
-        here.append(len(detected))
-        detected.clear()
+        out = capsys.readouterr().out
+        assert "1 x left image: encoding is '32FC1'" in out
+        assert "365, their CameraInfo says" in out
+        assert f"pairs/s, {jobs} process" in out
     assert raw[0] == raw[1]
-    assert said[0] == said[1]
-    assert "  2 x left image: encoding is '32FC1'" in "\n".join(said[0])
-    assert here[1] < 0.6 * here[0]
     lanes = [lanes_from_ros(array) for array in written(bag.parent / "out2")["/lanes"]]
-    assert len({lane.id for found in lanes for lane in found}) > 3
+    assert len(lanes) == 11  # none for what cannot be read
+    assert [len(found) for found in lanes].count(0) == 1  # none in what does not fit the camera
+    assert len({lane.id for found in lanes for lane in found}) < 6
 
 
 @pytest.mark.parametrize(("end", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)])
 def test_nothing_is_left_running(write_stereo_bag, scene_pairs, tmp_path, end, code) -> None:
-    many = [replace(scene_pairs[0], stamp_ns=i * 400_000_000) for i in range(1, 61)]
+    many = [replace(scene_pairs[0], stamp_ns=i * 100_000_000) for i in range(1, 61)]
     output = tmp_path / "out"
     command = ["run", str(write_stereo_bag(many, jpeg=True)), "-o", str(output), "--jobs", "2"]
     process = subprocess.Popen(

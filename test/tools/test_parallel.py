@@ -5,12 +5,11 @@
 import math
 import os
 import signal
-import time
 
 import pytest
 
 from lane_dp_ros.messages.errors import CommandError
-from lane_dp_ros.tools.parallel import Stream, available_cpus, parallel_map
+from lane_dp_ros.tools.parallel import available_cpus, parallel_map
 
 PID = "__import__('os').getpid()"
 
@@ -76,54 +75,6 @@ def test_a_process_that_dies() -> None:
         parallel_map(os._exit, [1], 2) as results,
     ):
         list(results)
-
-
-def test_a_stream_comes_in_order_from_another_process_that_is_set_up() -> None:
-    before = signal.getsignal(signal.SIGINT)
-    stream = Stream(
-        eval, f"({PID}, __import__('cv2').getNumThreads(), __import__('signal').getsignal(2), None)"
-    )
-    pid, *rest = stream
-    assert pid != os.getpid()
-    assert rest == [1, signal.SIG_IGN, None]
-    assert signal.getsignal(signal.SIGINT) is before
-    stream.close()
-    with pytest.raises(ProcessLookupError):
-        os.kill(pid, 0)
-
-
-def test_a_stream_runs_ahead_of_who_reads_it() -> None:
-    stream = Stream(range, 2000)
-    deadline = time.monotonic() + 30
-    while not stream.done:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    assert list(stream) == list(range(2000))
-    stream.close()
-
-
-def test_a_stream_ends_when_it_is_closed_though_there_is_more() -> None:
-    stream = Stream(eval, f"__import__('itertools').chain([{PID}], __import__('itertools').count())")
-    pid = next(iter(stream))
-    stream.close()
-    with pytest.raises(ProcessLookupError):
-        os.kill(pid, 0)
-
-
-def test_an_error_comes_through_a_stream_after_what_came_before() -> None:
-    stream = Stream(eval, "map((1).__truediv__, [1, 0])")
-    results = iter(stream)
-    assert next(results) == 1
-    with pytest.raises(ZeroDivisionError):
-        next(results)
-    stream.close()
-
-
-def test_the_process_of_a_stream_that_dies() -> None:
-    stream = Stream(eval, "map(__import__('os')._exit, [1])")
-    with pytest.raises(CommandError, match="a worker process died"):
-        list(stream)
-    stream.close()
 
 
 def test_the_cpus_are_those_of_this_process() -> None:

@@ -22,7 +22,7 @@ from lane_dp_ros.core.types import Lane, StereoFrame
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_bag import find_stereo_topics, sync_of_bag
+from lane_dp_ros.messages.stereo_bag import find_stereo_topics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.tools.evaluation.image_arrivals import image_arrivals
 from lane_dp_ros.tools.evaluation.truth_file import LabelledFrame
 from lane_dp_ros.tools.offline.answered import answered
@@ -77,9 +77,10 @@ def detected_answers(reader: BagReader, config: tuple[NodeConfig, DetectorConfig
     """
     topics, (node, detector) = find_stereo_topics(reader), config
     total = reader.message_count([topics.images["left"]])
+    pairs = read_stereo_pairs(reader, topics, sync_of_bag(node.sync_tolerance))
     answers: dict[int, FrameAnswer] = {}
     problems: list[str] = []
-    with answered(reader, topics, sync_of_bag(node.sync_tolerance), detector, jobs) as found:
+    with answered(pairs, detector, jobs) as found:
         for bag_pair, answer in progress(found, total, "pair"):
             answers[bag_pair.pair.stamp_ns] = _frame_answer(answer)
             problems += [text for text in [answer if isinstance(answer, str) else answer.problem] if text]

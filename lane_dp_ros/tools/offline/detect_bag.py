@@ -13,7 +13,7 @@ from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.messages.bag import BagReader
 from lane_dp_ros.messages.errors import CommandError
 from lane_dp_ros.messages.node_config import NodeConfig
-from lane_dp_ros.messages.stereo_bag import BagPair, StereoTopics, sync_of_bag
+from lane_dp_ros.messages.stereo_bag import BagPair, StereoTopics, read_stereo_pairs, sync_of_bag
 from lane_dp_ros.tools.offline.answered import answered
 from lane_dp_ros.tools.offline.summary import Summary
 from lane_dp_ros.tools.progress import progress
@@ -21,10 +21,6 @@ from lane_dp_ros.tools.progress import progress
 
 class Output(Protocol):
     """What keeps answers: a bag, a video, a table."""
-
-    @property
-    def has_pictures(self) -> bool:
-        """Whether it needs the pictures of the pairs."""
 
     def write(self, pair: BagPair, answer: FrameResult) -> None:
         """Keep the answer to a pair; they come in the order of the bag."""
@@ -44,10 +40,10 @@ def detect_bag(
     """
     node, detector = config
     sync, summary = sync_of_bag(node.sync_tolerance), Summary()
-    pictures = any(output.has_pictures for output in outputs)
+    pairs = read_stereo_pairs(reader, topics, sync)
     total = reader.message_count([topics.images["left"]])
     start = time.perf_counter()
-    with answered(reader, topics, sync, detector, jobs, pictures) as answers:
+    with answered(pairs, detector, jobs) as answers:
         for pair, answer in progress(answers, total, "pair"):
             if isinstance(answer, FrameResult):
                 for output in outputs:

@@ -38,11 +38,6 @@ class LaneBag:
     pictures: Pictures = "jpeg"
     left_image: bool = False
 
-    @property
-    def has_pictures(self) -> bool:
-        """Whether it needs the pictures of the pairs."""
-        return self.left_image or self.pictures != "none"
-
     def write(self, pair: BagPair, answer: FrameResult) -> None:
         """Write an answer under the time at which its pair was recorded."""
         header = pair.pair.left.header

@@ -83,8 +83,6 @@ def csv_table(path: Path, force: bool = False) -> Iterator[CsvTable]:
 class CsvTable:
     """Writes rows of `COLUMNS` and of where each line lies at `DISTANCES`."""
 
-    has_pictures = False
-
     def __init__(self, writer: csv.DictWriter[str]) -> None:
         self._writer, self._pairs = writer, 0
         writer.writeheader()
@@ -112,8 +110,6 @@ def parquet_table(path: Path, force: bool = False) -> Iterator[ParquetTable]:
 
 class ParquetTable:
     """Writes rows of `COLUMNS` with the points of each line, as three lists of metres."""
-
-    has_pictures = False
 
     def __init__(self, writer: Any, schema: Any) -> None:
         self._writer, self._schema = writer, schema

@@ -43,8 +43,6 @@ def rerun_file(path: Path, force: bool = False) -> Iterator[RerunFile]:
 class RerunFile:
     """Logs under `camera`, which is the left optical frame: x right, y down, z forward."""
 
-    has_pictures = True
-
     def __init__(self, rerun: Any, recording: Any) -> None:
         self._rerun, self._recording = rerun, recording
 

@@ -64,8 +64,6 @@ class LaneVideo:
     `count` is the number of pictures handed to the file.
     """
 
-    has_pictures = True
-
     def __init__(self, path: Path) -> None:
         self._path = path
         self._waiting: list[tuple[int, NDArray[np.uint8]]] = []
