@@ -32,6 +32,7 @@ class Library:
 
 LIBRARIES = {
     "cv2": Library("OpenCV, for all pictures", "opencv-python-headless", "python3-opencv"),
+    "PIL": Library("Pillow, for Rerun's pictures", "pillow", "python3-pil"),
     "numpy": Library("numpy, for everything", "numpy", "python3-numpy"),
     "pyarrow": Library("pyarrow, for tables of Parquet", "pyarrow"),
     "rerun": Library("Rerun's SDK, for its recordings", "rerun-sdk"),

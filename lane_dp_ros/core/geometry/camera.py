@@ -124,6 +124,7 @@ def _unit_hint(baseline: float, fx: float) -> str:
     """Return in which unit a baseline outside `BASELINES` would be one."""
 
     def fits(factor: float) -> bool:
+        """Whether the baseline times a factor is one of a vehicle."""
         return BASELINES[0] <= baseline * factor <= BASELINES[1]
 
     units = " or ".join(f"px {name}" for name, factor in UNITS.items() if fits(factor))

@@ -92,6 +92,7 @@ class _Lines:
         return name in self._texts
 
     def matrix(self, name: str, shape: tuple[int, ...]) -> Floats:
+        """Return the finite numbers of a line, row by row in a `shape`; raise CommandError for others."""
         text, count = self._texts.get(name), int(np.prod(shape))
         try:
             matrix = np.array([float(value) for value in (text or "").split()]).reshape(shape)
@@ -104,6 +105,7 @@ class _Lines:
             raise CommandError(f"{self._path}: {wanted}, got {came}") from None
 
     def size(self, name: str) -> tuple[int, int] | None:
+        """Return the width and height [px] of a line, None where there is no such line."""
         if name not in self:
             return None
         width, height = self.matrix(name, (2,))

@@ -15,12 +15,10 @@ import numpy as np
 from lane_dp_ros.core.geometry.camera import StereoCamera
 from lane_dp_ros.core.pipeline import FrameResult
 from lane_dp_ros.core.types import Lane
-from lane_dp_ros.messages.lanes import lane_colour
+from lane_dp_ros.messages.image import JPEG_QUALITY
+from lane_dp_ros.messages.lanes import ROAD_EDGE_WIDTH, lane_colour
 from lane_dp_ros.messages.stereo_bag import BagPair
 from lane_dp_ros.tools.offline.staged_file import staged_file
-
-JPEG_QUALITY = 90
-EDGE_WIDTH = 0.05  # m; a road edge has no paint, but a line needs a width
 
 
 @contextmanager
@@ -69,7 +67,7 @@ class RerunFile:
     def _log_lines(self, entity: str, lanes: tuple[Lane, ...]) -> None:
         strips = self._rerun.LineStrips3D(
             [lane.points for lane in lanes],
-            radii=[max(lane.paint_width, EDGE_WIDTH) / 2 for lane in lanes],
+            radii=[max(lane.paint_width, ROAD_EDGE_WIDTH) / 2 for lane in lanes],
             colors=[[*(round(255 * part) for part in lane_colour(lane)), 255] for lane in lanes],
             labels=[f"{lane.role} {lane.id} {lane.kind} {lane.confidence:.2f}" for lane in lanes],
         )

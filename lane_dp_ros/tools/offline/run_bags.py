@@ -42,6 +42,7 @@ class Outputs:
         name = bag.stem if bag.suffix in (".mcap", ".db3", ".bag") else bag.name
 
         def inside(folder: Path | None, ending: str) -> Path | None:
+            """Return the bag's file in a folder, None without one."""
             return None if folder is None else folder / f"{name}{ending}"
 
         return replace(
